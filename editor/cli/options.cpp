@@ -1,0 +1,134 @@
+// Shared flags and what they mean.
+#include "cli/options.h"
+
+#include <atomic>
+#include <charconv>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/log.h"
+
+namespace nf::editor {
+namespace {
+
+std::atomic<bool> stop{false};
+std::string kept_command_line;
+
+extern "C" void on_interrupt(int) {
+  // A second Ctrl-C ends the process at once.
+  if (stop.exchange(true)) std::signal(SIGINT, SIG_DFL);
+}
+
+void apply_preset(CommonOptions& options, passes::FrameSettings& settings) {
+  using nlohmann::json;
+  std::ifstream in(options.preset);
+  if (!in) fail(Exit::Input, "cannot read the preset '{}': no such file", options.preset);
+  json preset;
+  try {
+    preset = json::parse(in);
+  } catch (const json::exception& e) {
+    fail(Exit::Input, "cannot read the preset '{}': it is not JSON: {}", options.preset, e.what());
+  }
+  if (!preset.is_object() || preset.value("schema", json()) != "nearfield.preset/1")
+    fail(Exit::Input, "cannot read the preset '{}': its \"schema\" must be \"nearfield.preset/1\"", options.preset);
+  const auto text = [&](const char* key) {
+    if (!preset[key].is_string()) fail(Exit::Input, "bad preset '{}': '{}' must be a string", options.preset, key);
+    return preset[key].get<std::string>();
+  };
+  for (const auto& [key, value] : preset.items()) {
+    if (key == "schema") continue;
+    if (key == "technique") {
+      if (!options.technique_given) options.technique = text("technique");
+    } else if (key == "view") {
+      if (!options.view_given) options.view = text("view");
+    } else if (key == "size") {
+      if (!options.size_given) options.size = text("size");
+    } else if (key == "seed") {
+      if (!value.is_number_unsigned()) fail(Exit::Input, "bad preset '{}': 'seed' must be a whole number", options.preset);
+      if (!options.seed_given) options.seed = value.get<uint32_t>();
+    } else if (key == "params") {
+      params::from_json(settings.blocks(), value);
+    } else {
+      fail(Exit::Input, "bad preset '{}': unknown key '{}'; there are schema, technique, view, size, seed, params", options.preset, key);
+    }
+  }
+}
+
+}  // namespace
+
+void add_log_flags(CLI::App& app, CommonOptions& o) {
+  app.add_flag("--quiet", o.quiet, "Only errors on stderr");
+  app.add_flag("-v,--verbose", o.verbose, "More on stderr");
+  app.add_option("--log-file", o.log_file, "Also write the log to this file")->type_name("FILE");
+}
+
+void add_render_flags(CLI::App& app, CommonOptions& o) {
+  app.add_option("--device", o.device, "Vulkan device: INDEX, part of its NAME, cpu or gpu (default: the fastest)")->envname("NEARFIELD_DEVICE");
+  app.add_option("--size", o.size, "Picture size in pixels")->type_name("WxH")->capture_default_str()->envname("NEARFIELD_SIZE");
+  app.add_option("--view", o.view, "Camera: a view FILE.json (camera and lights), a camera's NAME in the scene, or its INDEX")->envname("NEARFIELD_VIEW");
+  app.add_option("--technique", o.technique, "GI technique (`nearfield info --techniques`; default vbgi)")->type_name("ID")->envname("NEARFIELD_TECHNIQUE");
+  app.add_option("--mode", o.mode, "Form of the technique")->check(CLI::IsMember({"paper", "radiometric"}))->envname("NEARFIELD_MODE");
+  app.add_option("--set", o.sets, "Set a parameter, e.g. --set gi.radius=2 (repeatable; `nearfield info --params`)")->type_name("ID=VALUE")->allow_extra_args(false);
+  app.add_option("--preset", o.preset, "JSON preset; flags win over it")->type_name("FILE")->envname("NEARFIELD_PRESET");
+  app.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->envname("NEARFIELD_SEED");
+  app.add_option("--timing", o.timing, "How passes are timed: serialize (exact, no overlap) or overlap (as the frame really runs)")
+      ->check(CLI::IsMember({"serialize", "overlap"}))->capture_default_str()->envname("NEARFIELD_TIMING");
+  app.add_option("--timeout", o.timeout, "Give up after this many seconds (exit code 6)")->type_name("S")->check(CLI::NonNegativeNumber);
+  app.add_option("--progress", o.progress, "Progress on stderr")->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}))->capture_default_str();
+  app.add_flag("--validation", o.validation, "Vulkan validation, synchronization included; slow")->envname("NEARFIELD_VALIDATION");
+  add_log_flags(app, o);
+  app.parse_complete_callback([&app, &o] {
+    o.size_given = app.count("--size") > 0;
+    o.seed_given = app.count("--seed") > 0;
+    o.technique_given = app.count("--technique") > 0;
+    o.view_given = app.count("--view") > 0;
+  });
+}
+
+void start_log(const CommonOptions& o) {
+  log::init(o.quiet ? log::Level::Quiet : o.verbose ? log::Level::Verbose : log::Level::Normal, o.log_file);
+}
+
+glm::uvec2 parse_size(const std::string& text) {
+  glm::uvec2 size(0);
+  const char* end = text.data() + text.size();
+  const auto [x, x_error] = std::from_chars(text.data(), end, size.x);
+  const bool cross = x_error == std::errc() && x != end && *x == 'x';
+  const auto [y, y_error] = cross ? std::from_chars(x + 1, end, size.y) : std::from_chars_result{end, std::errc::invalid_argument};
+  if (y_error != std::errc() || y != end || size.x < 1 || size.y < 1 || size.x > 16384 || size.y > 16384)
+    fail(Exit::Usage, "bad size '{}': write it as WIDTHxHEIGHT, 1 to 16384 each, e.g. 1280x720", text);
+  return size;
+}
+
+gpu::Timing parse_timing(const std::string& text) { return text == "overlap" ? gpu::Timing::Overlap : gpu::Timing::Serialize; }
+
+gpu::DeviceOptions device_options(const CommonOptions& o) { return {.select = o.device, .validation = o.validation}; }
+
+passes::FrameSettings make_settings(CommonOptions& o) {
+  passes::FrameSettings settings;
+  if (!o.preset.empty()) apply_preset(o, settings);
+  if (!o.technique.empty()) settings.technique = &passes::find_technique(o.technique);
+  for (const std::string& assignment : o.sets) params::assign(settings.blocks(), assignment);
+  if (o.mode == "paper" && !settings.technique->paper_mode)
+    fail(Exit::Usage, "{} has no paper mode in this version: leave --mode away or use --mode radiometric", settings.technique->id);
+  return settings;
+}
+
+void keep_command_line(int argc, char** argv) {
+  kept_command_line = "nearfield";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view arg = argv[i];
+    if (arg == "-o" || arg == "--output" || arg == "--json")
+      ++i;
+    else if (!arg.starts_with("-o") && !arg.starts_with("--output=") && !arg.starts_with("--json="))
+      kept_command_line += fmt::format(" {}", arg);
+  }
+}
+const std::string& command_line() { return kept_command_line; }
+
+bool interrupted() { return stop; }
+void watch_interrupt() { std::signal(SIGINT, on_interrupt); }
+
+}  // namespace nf::editor

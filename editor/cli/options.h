@@ -1,0 +1,63 @@
+// What all commands share: flags, the exit code of a failure, and how a command is registered.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "frame.h"
+#include "gpu/device.h"
+
+namespace nf::editor {
+
+enum class ProgressMode { Auto, Bar, Plain, Json, None };
+
+struct CommonOptions {
+  std::string device;
+  std::string size = "1280x720";
+  std::string view, technique, mode, preset, log_file, timing = "serialize", progress = "auto";
+  std::vector<std::string> sets;
+  uint32_t seed = 1;
+  double timeout = 0;  // seconds; 0 = none
+  bool validation = false, quiet = false, verbose = false;
+  // Which of the flags that a preset can also set were given: they win.
+  bool size_given = false, seed_given = false, technique_given = false, view_given = false;
+};
+
+// A command's options and what it does. `run` returns the process's exit code.
+struct Command {
+  CLI::App* app = nullptr;
+  std::function<int()> run;
+};
+
+// Flags of every command that renders.
+void add_render_flags(CLI::App& app, CommonOptions& options);
+// Flags of every command.
+void add_log_flags(CLI::App& app, CommonOptions& options);
+void start_log(const CommonOptions& options);
+
+// "640x360" to pixels, 1 to 16384 a side. Throws nf::Error (Exit::Usage).
+glm::uvec2 parse_size(const std::string& text);
+// Device, preset, technique and parameters, in this order, as the flags ask for. Applies the preset to `options` too.
+passes::FrameSettings make_settings(CommonOptions& options);
+gpu::Timing parse_timing(const std::string& text);
+gpu::DeviceOptions device_options(const CommonOptions& options);
+
+Command add_render(CLI::App& app);
+Command add_info(CLI::App& app);
+Command add_graph(CLI::App& app);
+
+// The command line without its output files: the same for runs that must give the same bytes.
+void keep_command_line(int argc, char** argv);
+const std::string& command_line();
+
+// version.cpp
+std::string version_line();
+std::string version_short();
+
+// Set by Ctrl-C: a command finishes its frame, writes what it has and exits with 130.
+bool interrupted();
+void watch_interrupt();
+
+}  // namespace nf::editor

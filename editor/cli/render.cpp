@@ -1,0 +1,288 @@
+// `nearfield render`: pictures and layers of a scene, without a display, and the time of every pass.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "capture/statistics.h"
+#include "cli/options.h"
+#include "cli/progress.h"
+#include "core/log.h"
+#include "image/image.h"
+#include "scene/gltf.h"
+#include "scene/view.h"
+
+namespace nf::editor {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct RenderOptions : CommonOptions {
+  std::string scene, aov, json_file, precision = "half";
+  std::vector<std::string> outputs;
+  uint32_t frames = 1, warmup = 0;
+  double fps = 60;
+  bool accumulate = false;
+};
+
+struct Output {
+  std::string pattern;  // may hold {frame:04}
+  bool exr = false, every_frame = false;
+};
+
+// "f_{frame:04}.png" with the frame's number in place.
+std::string output_name(const Output& output, uint32_t frame) {
+  const size_t open = output.pattern.find("{frame"), close = output.pattern.find('}', open);
+  if (open == std::string::npos || close == std::string::npos) return output.pattern;
+  const std::string width = output.pattern.substr(open + 6, close - open - 6);
+  const int digits = width.size() > 1 && width[0] == ':' ? std::atoi(width.c_str() + 1) : 0;
+  return output.pattern.substr(0, open) + fmt::format("{:0{}}", frame, std::clamp(digits, 0, 12)) + output.pattern.substr(close + 1);
+}
+
+std::vector<Output> parse_outputs(const RenderOptions& o) {
+  std::vector<Output> outputs;
+  for (const std::string& name : o.outputs) {
+    const std::string extension = fs::path(name).extension().string();
+    if (extension != ".png" && extension != ".exr") fail(Exit::Usage, "bad output '{}': the name must end in .png or .exr", name);
+    Output output{.pattern = name, .exr = extension == ".exr", .every_frame = name.find("{frame") != std::string::npos};
+    if (output.every_frame && o.accumulate) fail(Exit::Usage, "bad output '{}': --accumulate writes one picture, the mean; leave {{frame}} out", name);
+    // Found out now, not after minutes of work.
+    const fs::path folder = fs::path(name).parent_path();
+    if (!folder.empty() && !fs::is_directory(folder)) fail(Exit::Output, "cannot write '{}': there is no folder '{}'; make it first", name, folder.string());
+    outputs.push_back(output);
+  }
+  return outputs;
+}
+
+// The layers to write: those asked for; of "all", those that the technique has.
+std::vector<const passes::Aov*> parse_layers(const RenderOptions& o, const std::vector<Output>& outputs) {
+  const bool any_exr = std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return out.exr; });
+  if (!o.aov.empty() && !any_exr) fail(Exit::Usage, "--aov needs an .exr output: layers do not fit into a PNG");
+  std::vector<const passes::Aov*> layers;
+  if (!any_exr) return layers;
+  layers.push_back(&passes::find_aov(""));
+  if (o.aov == "all") {
+    for (const passes::Aov& aov : passes::aovs())
+      if (*aov.name) layers.push_back(&aov);
+    return layers;
+  }
+  for (size_t at = 0; at < o.aov.size();) {
+    const size_t comma = std::min(o.aov.find(',', at), o.aov.size());
+    const passes::Aov* layer = &passes::find_aov(o.aov.substr(at, comma - at));
+    if (std::find(layers.begin(), layers.end(), layer) == layers.end()) layers.push_back(layer);
+    at = comma + 1;
+  }
+  return layers;
+}
+
+image::Layer to_layer(const passes::Aov& aov, const graph::Readback& readback) {
+  uint32_t have = 0;
+  const std::vector<float> floats = graph::to_floats(readback, have);
+  image::Layer layer{.name = aov.name, .channels = aov.channels, .image = {}};
+  const uint32_t wanted = uint32_t(layer.channels.size());
+  layer.image = {readback.desc.size.width, readback.desc.size.height, wanted, std::vector<float>(floats.size() / have * wanted)};
+  for (size_t texel = 0; texel < floats.size() / have; ++texel)
+    for (uint32_t c = 0; c < wanted; ++c) layer.image.pixels[texel * wanted + c] = floats[texel * have + c];
+  return layer;
+}
+
+image::Image8 to_image8(const graph::Readback& readback) {
+  image::Image8 out{readback.desc.size.width, readback.desc.size.height, 3, {}};
+  out.pixels.reserve(readback.texels.size() / 4 * 3);
+  for (size_t i = 0; i < readback.texels.size(); i += 4)
+    for (size_t c = 0; c < 3; ++c) out.pixels.push_back(uint8_t(readback.texels[i + c]));
+  return out;
+}
+
+nlohmann::json times_json(const std::vector<std::pair<std::string, capture::Statistics>>& rows) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const auto& [name, s] : rows)
+    out.push_back({{"path", name}, {"gpu_ms", {{"count", s.count}, {"min", s.min}, {"median", s.median}, {"p95", s.p95}, {"p99", s.p99}, {"max", s.max}, {"mean", s.mean}, {"stddev", s.stddev}, {"mad", s.mad}}}});
+  return out;
+}
+
+class RenderJob {
+ public:
+  explicit RenderJob(RenderOptions& options) : o_(options), start_(Clock::now()) {}
+
+  int run() {
+    const std::vector<Output> outputs = parse_outputs(o_);
+    const passes::FrameSettings settings = make_settings(o_);
+    view_.size = parse_size(o_.size);
+    view_.seed = o_.seed;
+    std::vector<const passes::Aov*> layers = parse_layers(o_, outputs);
+    const bool pictures = std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return !out.exr; });
+
+    scene::Scene scene = scene::load_gltf(o_.scene);
+    view_.camera = view_.previous_camera = scene::select_view(o_.view, scene);
+    gpu::Device device(device_options(o_));
+    if (device.facts.software) log::warn("{} is a software device: pass times are CPU times", device.info.name);
+    passes::Renderer renderer(device, scene);
+    check_layers(renderer, settings, layers);
+
+    const uint32_t total = o_.warmup + o_.frames;
+    bool complete = true;
+    {
+      Progress progress("render", total, o_);
+      for (uint32_t n = 0; n < total; ++n) {
+        const bool last = n + 1 == total || interrupted();
+        const bool each = std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return out.every_frame; });
+        run_frame(renderer, settings, layers, pictures, n, last || (each && n >= o_.warmup));
+        if (n >= o_.warmup && each) write(outputs, layers, device, n - o_.warmup, true, true);
+        progress.update(n + 1, fmt::format("{:.1f} ms", frame_ms_.empty() ? 0.0 : frame_ms_.back()));
+        if (last) {
+          complete = n + 1 == total;
+          break;
+        }
+        if (o_.timeout > 0 && std::chrono::duration<double>(Clock::now() - start_).count() > o_.timeout)
+          fail(Exit::Gpu, "time limit: {} of {} frames after {} s; raise --timeout, or use a smaller --size or fewer --frames", n + 1, total, o_.timeout);
+      }
+    }
+    if (frame_ms_.empty() && complete && o_.frames > 0) log::debug("no pass times: the device has no timestamps");
+    if (!complete && readbacks_.empty()) return int(Exit::Interrupted);
+    write(outputs, layers, device, o_.frames - 1, false, complete);
+    report(device, renderer, settings, complete);
+    for (const std::string& message : device.take_messages()) validation_.push_back(message);
+    if (!validation_.empty()) fail(Exit::CheckFailed, "{} validation messages (above)", validation_.size());
+    return complete ? int(Exit::Ok) : int(Exit::Interrupted);
+  }
+
+ private:
+  // A layer that this technique does not have: dropped from "all", an error when it was asked for by name.
+  void check_layers(passes::Renderer& renderer, const passes::FrameSettings& settings, std::vector<const passes::Aov*>& layers) {
+    graph::Graph graph;
+    const passes::FrameOutputs outputs = renderer.build(graph, view_, settings);
+    std::erase_if(layers, [&](const passes::Aov* aov) {
+      if (renderer.add_layer(graph, outputs, *aov)) return false;
+      if (o_.aov != "all") fail(Exit::Input, "no layer '{}': the technique {} does not give it", aov->name, settings.technique->id);
+      log::info("no layer '{}': the technique {} does not give it", aov->name, settings.technique->id);
+      return true;
+    });
+  }
+
+  void run_frame(passes::Renderer& renderer, const passes::FrameSettings& settings, const std::vector<const passes::Aov*>& layers, bool pictures, uint32_t n, bool wanted) {
+    view_.frame_index = n;
+    const bool counted = n >= o_.warmup;
+    const int64_t mean = o_.accumulate && counted ? int64_t(n - o_.warmup) : -1;
+    graph::Graph graph(renderer.executor().histories());
+    const passes::FrameOutputs outputs = renderer.build(graph, view_, settings);
+    // The read-backs are part of every frame, so that the plan is the same and the passes are not culled.
+    for (const passes::Aov* aov : layers) graph.readback("readback.layer", renderer.add_layer(graph, outputs, *aov, mean));
+    if (pictures || layers.empty()) graph.readback("readback.picture", renderer.add_picture(graph, outputs, settings, mean));
+    renderer.executor().run(graph, {.timing = parse_timing(o_.timing)});
+    view_.previous_camera = view_.camera;
+    const graph::FrameResult result = renderer.executor().finish();
+    if (counted) {
+      // Read-backs are one row: there is one for each layer.
+      std::map<std::string, double> merged;
+      std::vector<std::string> order;
+      for (const graph::PassTime& pass : result.passes) {
+        const std::string name = std::string_view(pass.name).starts_with("readback.") ? "readback" : pass.name;
+        if (!merged.count(name)) order.push_back(name);
+        merged[name] += pass.ms;
+      }
+      for (const std::string& name : order) {
+        if (!pass_ms_.count(name)) pass_order_.push_back(name);
+        pass_ms_[name].push_back(merged[name]);
+      }
+      if (!result.passes.empty()) frame_ms_.push_back(result.frame_ms);
+    }
+    if (wanted) readbacks_ = renderer.executor().take_readbacks();
+  }
+
+  void write(const std::vector<Output>& outputs, const std::vector<const passes::Aov*>& layers, const gpu::Device& device, uint32_t frame, bool every_frame, bool complete) {
+    std::vector<image::Layer> exr;
+    for (size_t i = 0; i < layers.size(); ++i) {
+      exr.push_back(to_layer(*layers[i], readbacks_[i]));
+      const image::NonFinite bad = image::find_non_finite(exr.back().image);
+      if (bad.any())
+        log::error("layer '{}': {} NaN and {} infinite values, the first at pixel {},{}", layers[i]->name, bad.nan, bad.inf, bad.first_x, bad.first_y);
+    }
+    for (const Output& output : outputs) {
+      if (output.every_frame != every_frame) continue;
+      const std::string name = output_name(output, frame);
+      if (output.exr) {
+        const std::map<std::string, std::string> header = {
+            {"nearfield.command", command_line()}, {"nearfield.version", version_short()}, {"nearfield.device", fmt::format("{}, {} {}", device.info.name, device.info.driver, device.info.driver_info)},
+            {"nearfield.seed", fmt::format("{}", o_.seed)}, {"nearfield.frames", fmt::format("{}{}", o_.frames, o_.accumulate ? " accumulated" : "")}, {"nearfield.complete", complete ? "true" : "false"}};
+        image::write_exr(name, exr, header, o_.precision == "float" ? image::Precision::Float : image::Precision::Half);
+      } else {
+        image::write_png(name, to_image8(readbacks_.back()));
+      }
+      written_.push_back(name);
+    }
+  }
+
+  void report(const gpu::Device& device, passes::Renderer& renderer, const passes::FrameSettings& settings, bool complete) {
+    std::vector<std::pair<std::string, capture::Statistics>> rows;
+    for (const std::string& name : pass_order_) rows.emplace_back(name, capture::statistics(pass_ms_[name]));
+    const capture::Statistics frame = capture::statistics(frame_ms_);
+    double sum = 0;
+    for (const auto& [name, s] : rows) sum += s.median;
+    const graph::Plan& plan = renderer.executor().plan();
+    if (!o_.json_file.empty()) {
+      const nlohmann::json document = {{"schema", "nearfield.render/1"}, {"complete", complete}, {"version", version_line()}, {"command", command_line()},
+                                       {"device", {{"name", device.info.name}, {"type", device.info.type}, {"driver", device.info.driver}, {"driver_info", device.info.driver_info}}},
+                                       {"technique", settings.technique->id}, {"size", {view_.size.x, view_.size.y}}, {"seed", o_.seed}, {"frames", frame_ms_.size()},
+                                       {"timing", o_.timing}, {"draws", renderer.draws()}, {"batches", renderer.batches()},
+                                       {"passes", times_json(rows)}, {"frame_ms", times_json({{"frame", frame}})[0]["gpu_ms"]},
+                                       {"memory", {{"placed_bytes", plan.unaliased_bytes}, {"max_live_bytes", plan.max_live_bytes}, {"unaliased_bytes", plan.unaliased_bytes}}},
+                                       {"written", written_}};
+      if (o_.json_file == "-") {
+        fmt::print("{}\n", document.dump(1));
+        return;
+      }
+      std::FILE* file = std::fopen(o_.json_file.c_str(), "w");
+      const std::string text = document.dump(1) + "\n";
+      if (!file || std::fwrite(text.data(), 1, text.size(), file) != text.size() || std::fclose(file) != 0) fail(Exit::Output, "cannot write '{}'; choose another place for --json", o_.json_file);
+      written_.push_back(o_.json_file);
+    }
+    if (!rows.empty() && !o_.quiet) {
+      fmt::print("{} on {} ({}), {}x{}, {} frame{}, median ms ({}{}):\n", settings.technique->id, device.info.name, device.info.type, view_.size.x, view_.size.y, frame_ms_.size(),
+                 frame_ms_.size() == 1 ? "" : "s", o_.timing, device.facts.software ? ", CPU times" : "");
+      for (const auto& [name, s] : rows) fmt::print("  {:24} {:9.3f}  {:5.1f} %\n", name, s.median, frame.median > 0 ? 100 * s.median / frame.median : 0);
+      fmt::print("  {:24} {:9.3f}  {:5.1f} %\n", "unattributed", std::max(frame.median - sum, 0.0), frame.median > 0 ? 100 * std::max(frame.median - sum, 0.0) / frame.median : 0);
+      fmt::print("  {:24} {:9.3f}   p95 {:.3f}\n", "frame", frame.median, frame.p95);
+      fmt::print("  {} draws in {} batches, {:.1f} MiB of transient images\n", renderer.draws(), renderer.batches(), double(plan.unaliased_bytes) / 1048576.0);
+    }
+    for (const std::string& name : written_) fmt::print("{}\n", name);
+  }
+
+  RenderOptions& o_;
+  Clock::time_point start_;
+  passes::FrameView view_;
+  std::map<std::string, std::vector<double>> pass_ms_;
+  std::vector<std::string> pass_order_, written_, validation_;
+  std::vector<double> frame_ms_;
+  std::vector<graph::Readback> readbacks_;
+};
+
+}  // namespace
+
+Command add_render(CLI::App& parent) {
+  auto state = std::make_shared<RenderOptions>();
+  CLI::App* app = parent.add_subcommand("render", "Render a scene to PNG or EXR and print the GPU time of every pass");
+  app->add_option("SCENE", state->scene, "glTF scene (.gltf, .glb)")->required();
+  app->add_option("-o,--output", state->outputs, "Where to write: .png, .exr, or a pattern like 'f_{frame:04}.png' (repeatable)")->type_name("FILE")->required()->allow_extra_args(false);
+  app->add_option("--aov", state->aov, "Layers for the EXR: all, or a list like gi,visibility,normal,depth")->type_name("LIST");
+  app->add_option("--frames", state->frames, "Frames to render; the last is written")->check(CLI::Range(1u, 1000000u))->capture_default_str();
+  app->add_option("--warmup", state->warmup, "Frames before these that are not timed, accumulated or written")->check(CLI::Range(0u, 1000000u))->capture_default_str();
+  app->add_flag("--accumulate", state->accumulate, "Write the linear mean of all frames: the technique's expected value");
+  app->add_option("--fps", state->fps, "Fixed clock: simulated seconds per frame are 1 / FPS")->check(CLI::Range(0.001, 1e6))->capture_default_str();
+  app->add_option("--precision", state->precision, "EXR channels")->check(CLI::IsMember({"half", "float"}))->capture_default_str();
+  app->add_option("--json", state->json_file, "Times, sizes and paths as one JSON document; - for stdout")->type_name("FILE");
+  add_render_flags(*app, *state);
+  app->footer("Examples:\n  nearfield render scene.glb -o a.png --size 640x360 --frames 8\n  nearfield render scene.glb --view view.json -o a.exr --aov all --frames 64 --accumulate");
+  return {app, [state] {
+            start_log(*state);
+            watch_interrupt();
+            return RenderJob(*state).run();
+          }};
+}
+
+}  // namespace nf::editor

@@ -1,0 +1,55 @@
+// The program: finds the command, runs it, and turns failures into one line and an exit code.
+#include <cstdio>
+
+#include "cli/options.h"
+#include "core/log.h"
+
+namespace nf::editor {
+namespace {
+
+constexpr const char* footer = R"(Examples:
+  nearfield render scene.glb -o picture.png --size 1280x720 --set gi.radius=3
+  nearfield render scene.glb -o layers.exr --aov all --frames 64 --accumulate
+  nearfield graph scene.glb --format text
+Exit codes: 0 done, 1 a check failed, 2 usage, 3 bad input, 4 no device or display, 5 shader, 6 GPU, 7 cannot write, 70 internal, 130 interrupted.
+`nearfield COMMAND --help` says more.)";
+
+int run(int argc, char** argv) {
+  CLI::App app("Nearfield: screen-space global illumination techniques on one frame graph", "nearfield");
+  app.set_version_flag("--version", version_line());
+  app.footer(footer);
+  app.require_subcommand(0, 1);
+  const Command commands[] = {add_render(app), add_info(app), add_graph(app)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
+    log::init(log::Level::Normal);
+    fail(Exit::Usage, "{}; see `nearfield --help`", e.what());
+  }
+  for (const Command& command : commands)
+    if (command.app->parsed()) return command.run();
+  // The window is a later part of this project; say so instead of doing nothing.
+  log::init(log::Level::Normal);
+  fail(Exit::NoDevice, "this version has no editor window yet: use a command, e.g. `nearfield render SCENE -o picture.png`, or see `nearfield --help`");
+}
+
+}  // namespace
+}  // namespace nf::editor
+
+int nearfield_main(int argc, char** argv);
+int nearfield_main(int argc, char** argv) {
+  try {
+    nf::editor::keep_command_line(argc, argv);
+    return nf::editor::run(argc, argv);
+  } catch (const nf::Error& e) {
+    nf::log::error("{}", e.what());
+    return int(e.exit());
+  } catch (const std::bad_alloc&) {
+    nf::log::error("out of memory: try a smaller --size or scene");
+    return int(nf::Exit::Gpu);
+  } catch (const std::exception& e) {
+    nf::log::error("internal error: {}; please report this with the command line", e.what());
+    return int(nf::Exit::Internal);
+  }
+}

@@ -1,0 +1,133 @@
+// Allocation: one VkDeviceMemory a resource.
+#include "gpu/memory.h"
+
+#include <array>
+
+namespace nf::gpu {
+namespace {
+
+uint32_t find_memory_type(const Device& device, uint32_t bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) {
+  uint32_t fallback = ~0u;
+  for (uint32_t i = 0; i < device.memory.memoryTypeCount; ++i) {
+    const VkMemoryPropertyFlags flags = device.memory.memoryTypes[i].propertyFlags;
+    if (!(bits & (1u << i)) || (flags & required) != required) continue;
+    if ((flags & preferred) == preferred) return i;
+    if (fallback == ~0u) fallback = i;
+  }
+  NF_CHECK(fallback != ~0u, "no memory type in bits {:#x} with flags {:#x}", bits, required);
+  return fallback;
+}
+
+VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, Where where, const std::string& name) {
+  const bool host = where == Where::Host;
+  const VkMemoryPropertyFlags required =
+      host ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT : VkMemoryPropertyFlags(0);
+  const VkMemoryPropertyFlags preferred = host ? required | VK_MEMORY_PROPERTY_HOST_CACHED_BIT
+                                               : VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  VkMemoryAllocateInfo allocate_info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size,
+                                     .memoryTypeIndex = find_memory_type(device, needs.memoryTypeBits, required, preferred)};
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  const Doing doing(fmt::format("allocating {:.1f} MiB for {}", double(needs.size) / 1048576.0, name));
+  NF_VK(vkAllocateMemory(device.handle, &allocate_info, nullptr, &memory));
+  return memory;
+}
+
+struct FormatRow {
+  VkFormat format;
+  uint32_t bytes;
+  const char* name;
+};
+constexpr std::array format_rows = {
+    FormatRow{VK_FORMAT_R8_UNORM, 1, "R8_UNORM"},
+    FormatRow{VK_FORMAT_R8G8_UNORM, 2, "R8G8_UNORM"},
+    FormatRow{VK_FORMAT_R8G8B8A8_UNORM, 4, "R8G8B8A8_UNORM"},
+    FormatRow{VK_FORMAT_R8G8B8A8_SRGB, 4, "R8G8B8A8_SRGB"},
+    FormatRow{VK_FORMAT_A2B10G10R10_UNORM_PACK32, 4, "A2B10G10R10_UNORM"},
+    FormatRow{VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, "B10G11R11_UFLOAT"},
+    FormatRow{VK_FORMAT_R16_SFLOAT, 2, "R16_SFLOAT"},
+    FormatRow{VK_FORMAT_R16G16_SFLOAT, 4, "R16G16_SFLOAT"},
+    FormatRow{VK_FORMAT_R16G16B16A16_SFLOAT, 8, "R16G16B16A16_SFLOAT"},
+    FormatRow{VK_FORMAT_R16G16B16A16_UNORM, 8, "R16G16B16A16_UNORM"},
+    FormatRow{VK_FORMAT_R32_UINT, 4, "R32_UINT"},
+    FormatRow{VK_FORMAT_R32_SFLOAT, 4, "R32_SFLOAT"},
+    FormatRow{VK_FORMAT_R32G32_SFLOAT, 8, "R32G32_SFLOAT"},
+    FormatRow{VK_FORMAT_R32G32B32A32_SFLOAT, 16, "R32G32B32A32_SFLOAT"},
+    FormatRow{VK_FORMAT_D32_SFLOAT, 4, "D32_SFLOAT"},
+    FormatRow{VK_FORMAT_D16_UNORM, 2, "D16_UNORM"},
+};
+
+const FormatRow* find_row(VkFormat format) {
+  for (const FormatRow& row : format_rows)
+    if (row.format == format) return &row;
+  return nullptr;
+}
+
+}  // namespace
+
+Buffer create_buffer(Device& device, VkDeviceSize size, VkBufferUsageFlags usage, Where where, const std::string& name) {
+  Buffer buffer{.size = size};
+  VkBufferCreateInfo create{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
+  NF_VK(vkCreateBuffer(device.handle, &create, nullptr, &buffer.handle));
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(device.handle, buffer.handle, &needs);
+  buffer.memory = allocate(device, needs, where, name);
+  NF_VK(vkBindBufferMemory(device.handle, buffer.handle, buffer.memory, 0));
+  if (where == Where::Host) {
+    void* mapped = nullptr;
+    NF_VK(vkMapMemory(device.handle, buffer.memory, 0, VK_WHOLE_SIZE, 0, &mapped));
+    buffer.mapped = static_cast<std::byte*>(mapped);
+  }
+  device.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer.handle), name);
+  return buffer;
+}
+
+void destroy(Device& device, Buffer& buffer) {
+  vkDestroyBuffer(device.handle, buffer.handle, nullptr);
+  vkFreeMemory(device.handle, buffer.memory, nullptr);
+  buffer = {};
+}
+
+Image create_image(Device& device, const ImageInfo& info, const std::string& name, bool array) {
+  Image image{.info = info};
+  if (info.extent.width > device.facts.max_image_size || info.extent.height > device.facts.max_image_size)
+    fail(Exit::Gpu, "cannot make the image '{}' of {}x{}: {} takes {} pixels a side at most; use a smaller --size", name,
+         info.extent.width, info.extent.height, device.info.name, device.facts.max_image_size);
+  VkImageCreateInfo create{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO, .imageType = VK_IMAGE_TYPE_2D, .format = info.format,
+                           .extent = {info.extent.width, info.extent.height, 1}, .mipLevels = info.mips, .arrayLayers = info.layers,
+                           .samples = VK_SAMPLE_COUNT_1_BIT, .tiling = VK_IMAGE_TILING_OPTIMAL, .usage = info.usage};
+  NF_VK(vkCreateImage(device.handle, &create, nullptr, &image.handle));
+  VkMemoryRequirements needs;
+  vkGetImageMemoryRequirements(device.handle, image.handle, &needs);
+  image.bytes = needs.size;
+  image.memory = allocate(device, needs, Where::Device, name);
+  NF_VK(vkBindImageMemory(device.handle, image.handle, image.memory, 0));
+  VkImageViewCreateInfo view{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO, .image = image.handle,
+                             .viewType = array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D, .format = info.format,
+                             .subresourceRange = {aspect_of(info.format), 0, info.mips, 0, info.layers}};
+  NF_VK(vkCreateImageView(device.handle, &view, nullptr, &image.view));
+  device.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image.handle), name);
+  return image;
+}
+
+void destroy(Device& device, Image& image) {
+  vkDestroyImageView(device.handle, image.view, nullptr);
+  vkDestroyImage(device.handle, image.handle, nullptr);
+  vkFreeMemory(device.handle, image.memory, nullptr);
+  image = {};
+}
+
+VkImageAspectFlags aspect_of(VkFormat format) {
+  return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
+
+uint32_t texel_bytes(VkFormat format) {
+  const FormatRow* row = find_row(format);
+  return row ? row->bytes : 0;
+}
+
+const char* format_name(VkFormat format) {
+  const FormatRow* row = find_row(format);
+  return row ? row->name : "UNKNOWN";
+}
+
+}  // namespace nf::gpu

@@ -1,0 +1,67 @@
+// compile(): a pure function from a Graph to a Plan: culling, lifetimes, barriers, load and store. No device is needed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "graph/graph.h"
+
+namespace nf::graph {
+
+// What is wrong with a graph. Every text names pass, slot, resource and the source lines involved.
+struct Diagnostic {
+  enum class Kind : uint8_t {
+    SlotMissing,       // fed, but the shader has no such slot
+    SlotNotFed,        // the shader has it, the pass does not feed it
+    Direction,         // .in on a writeonly image, .out on a readonly one, a kind of descriptor that does not fit
+    FormatMismatch,    // the shader names another format than the image has
+    SizeMismatch,      // attachments or the thread image differ in size
+    ReadBeforeWrite,   // nothing wrote the resource in this frame
+    UsedTwice,         // one image used in two ways that exclude each other in one pass
+    StaleHandle,       // a handle that is not of this graph
+    BlockMismatch,     // a parameter block whose layout in the shader differs from the table
+  };
+  Kind kind;
+  std::string text;
+};
+std::vector<Diagnostic> validate(const Graph& graph);
+
+struct Barrier {
+  uint16_t resource = no_resource;
+  VkPipelineStageFlags2 src_stages = 0, dst_stages = 0;
+  VkAccessFlags2 src_access = 0, dst_access = 0;
+  VkImageLayout old_layout = VK_IMAGE_LAYOUT_UNDEFINED, new_layout = VK_IMAGE_LAYOUT_UNDEFINED;
+};
+
+struct PlannedUse {
+  VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+};
+
+struct PlannedPass {
+  uint32_t pass;  // row of Graph::passes
+  uint32_t first_barrier = 0, barrier_count = 0;
+};
+
+struct PlannedResource {
+  bool live = false;
+  uint32_t first = 0, last = 0;  // positions in Plan::passes
+  VkImageUsageFlags usage = 0;
+  VkImageLayout first_layout = VK_IMAGE_LAYOUT_UNDEFINED;  // what the first use of the frame expects
+  VkImageLayout last_layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  uint64_t bytes = 0;  // texels only, without the device's padding
+};
+
+struct Plan {
+  std::vector<PlannedPass> passes;  // live ones, in order
+  std::vector<bool> culled;         // by row of Graph::passes
+  std::vector<Barrier> barriers;
+  std::vector<PlannedUse> uses;  // by row of Graph::uses
+  std::vector<PlannedResource> resources;
+  uint64_t unaliased_bytes = 0;  // sum over live transients
+  uint64_t max_live_bytes = 0;   // the largest sum over resources alive at one pass: the bound for any placement
+};
+// The graph must have passed validate().
+Plan compile(const Graph& graph);
+
+}  // namespace nf::graph

@@ -1,0 +1,263 @@
+// View files and the choice of a camera. Reading is strict: a mistyped key would otherwise silently render something
+// else.
+#include "scene/view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/error.h"
+#include "scene/text.h"
+
+namespace nf::scene {
+
+namespace {
+
+using nlohmann::json;
+
+// An object of the view file with its JSON path. All reading goes through here, so every error names file and path.
+class Reader {
+ public:
+  Reader(const std::string& file, const json& value, std::string path)
+      : file_(file), value_(value), path_(std::move(path)) {}
+
+  template <class... Args>
+  [[noreturn]] void bad(fmt::format_string<Args...> format, Args&&... args) const {
+    fail(Exit::Input, "cannot read view '{}': {}; see \"View files\" in the README", file_,
+         fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  std::string key_path(std::string_view key) const {
+    return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
+  }
+  const std::string& path() const { return path_; }
+
+  void expect_object(std::initializer_list<const char*> keys) const {
+    if (!value_.is_object()) bad("{} must be an object", path_.empty() ? "the file" : "'" + path_ + "'");
+    for (const auto& [key, member] : value_.items()) {
+      if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+      std::string known;
+      for (const char* name : keys) known += (known.empty() ? "" : ", ") + std::string(name);
+      bad("unknown key '{}' (known here: {})", one_line(key_path(key)), known);
+    }
+  }
+
+  bool has(const char* key) const { return value_.contains(key); }
+  Reader child(const char* key) const { return Reader(file_, value_.at(key), key_path(key)); }
+
+  std::vector<Reader> list(const char* key) const {
+    const json& array = value_.at(key);
+    if (!array.is_array()) bad("'{}' must be a list", key_path(key));
+    std::vector<Reader> rows;
+    for (size_t i = 0; i < array.size(); ++i) {
+      rows.emplace_back(file_, array[i], fmt::format("{}[{}]", key_path(key), i));
+    }
+    return rows;
+  }
+
+  float number(const char* key, float fallback) const {
+    return has(key) ? to_float(value_.at(key), key_path(key)) : fallback;
+  }
+  float number_at_least(const char* key, float fallback, float least) const {
+    const float value = number(key, fallback);
+    if (value < least) bad("'{}' must not be below {}", key_path(key), least);
+    return value;
+  }
+
+  vec3 vector(const char* key) const {
+    if (!has(key)) bad("'{}' is missing", key_path(key));
+    const json& array = value_.at(key);
+    if (!array.is_array() || array.size() != 3) bad("'{}' must be a list of three numbers", key_path(key));
+    vec3 result;
+    for (int i = 0; i < 3; ++i) result[i] = to_float(array[size_t(i)], fmt::format("{}[{}]", key_path(key), i));
+    return result;
+  }
+  vec3 vector(const char* key, vec3 fallback) const { return has(key) ? vector(key) : fallback; }
+
+  vec3 direction(const char* key) const {
+    const glm::dvec3 wide(vector(key));
+    const double length = glm::length(wide);
+    if (!(length > 1e-12)) bad("'{}' must not be zero", key_path(key));
+    return vec3(wide / length);
+  }
+  vec3 color(const char* key, vec3 fallback) const {
+    const vec3 result = vector(key, fallback);
+    if (glm::any(glm::lessThan(result, vec3(0)))) bad("'{}' must not be negative", key_path(key));
+    return result;
+  }
+
+ private:
+  float to_float(const json& value, const std::string& path) const {
+    if (!value.is_number()) bad("'{}' must be a number", path);
+    const double wide = value.get<double>();
+    if (!std::isfinite(wide) || std::abs(wide) > 1e30) bad("'{}' is not a finite number of sensible size", path);
+    return float(wide);
+  }
+
+  const std::string& file_;
+  const json& value_;
+  std::string path_;
+};
+
+Camera read_camera(const Reader& reader) {
+  reader.expect_object({"position", "target", "up", "vfov_deg", "near", "far"});
+  Camera camera;
+  camera.name = "view";
+  camera.position = reader.vector("position");
+  const glm::dvec3 ahead = glm::dvec3(reader.vector("target")) - glm::dvec3(camera.position);
+  const double distance = glm::length(ahead);
+  if (!(distance > 1e-12)) reader.bad("'{0}.target' is where '{0}.position' is", reader.path());
+  camera.forward = vec3(ahead / distance);
+  camera.up = reader.has("up") ? reader.direction("up") : vec3(0, 1, 0);
+  if (glm::length(glm::cross(camera.forward, camera.up)) < 1e-4f) {
+    reader.bad("'{}.up' is parallel to the viewing direction", reader.path());
+  }
+  const float vfov_deg = reader.number("vfov_deg", 60);
+  if (!(vfov_deg > 0.01f && vfov_deg < 179.9f)) reader.bad("'{}.vfov_deg' must lie between 0 and 180", reader.path());
+  camera.vfov = glm::radians(vfov_deg);
+  camera.near = reader.number("near", camera.near);
+  if (!(camera.near > 0)) reader.bad("'{}.near' must be above 0", reader.path());
+  camera.far = reader.number("far", std::max(camera.far, 2 * camera.near));
+  if (!(camera.far > camera.near)) reader.bad("'{0}.far' must be above '{0}.near'", reader.path());
+  return camera;
+}
+
+DirectionalLight read_directional(const Reader& reader) {
+  reader.expect_object({"direction", "color", "irradiance", "angle_deg"});
+  DirectionalLight light;
+  light.direction = reader.direction("direction");
+  light.color = reader.color("color", light.color);
+  light.irradiance = reader.number_at_least("irradiance", light.irradiance, 0);
+  light.angle_deg = reader.number_at_least("angle_deg", light.angle_deg, 0);
+  if (light.angle_deg > 180) reader.bad("'{}.angle_deg' must not be above 180", reader.path());
+  return light;
+}
+
+PunctualLight read_point(const Reader& reader) {
+  reader.expect_object({"position", "color", "intensity", "radius"});
+  PunctualLight light;
+  light.position = reader.vector("position");
+  light.color = reader.color("color", light.color);
+  light.intensity = reader.number_at_least("intensity", light.intensity, 0);
+  light.radius = reader.number_at_least("radius", light.radius, 0);
+  return light;
+}
+
+Environment read_environment(const Reader& reader) {
+  reader.expect_object({"color", "intensity", "hdr", "rotation_deg"});
+  if (reader.has("hdr") && reader.has("color")) reader.bad("'{}' has both color and hdr", reader.path());
+  if (reader.has("hdr")) {
+    reader.bad("'{0}.hdr': environments from a picture come with a later version, use '{0}.color'", reader.path());
+  }
+  if (reader.has("rotation_deg")) reader.bad("'{}.rotation_deg' belongs to an hdr environment", reader.path());
+  if (!reader.has("color")) reader.bad("'{}.color' is missing", reader.path());
+  Environment environment;
+  environment.color = reader.color("color", vec3(0)) * reader.number_at_least("intensity", 1, 0);
+  if (!glm::all(glm::lessThan(environment.color, vec3(1e30f)))) {
+    reader.bad("'{}': color times intensity is too large", reader.path());
+  }
+  return environment;
+}
+
+json read_json(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) {
+    fail(Exit::Input, "cannot read view '{}': no such file; check the path", file);
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (std::filesystem::is_regular_file(file, error)) text << stream.rdbuf();
+  if (!stream || text.str().empty()) {
+    fail(Exit::Input, "cannot read view '{}': not a readable file with content; check path and rights", file);
+  }
+  // Nesting beyond any real view file would only serve to exhaust the stack.
+  const auto depth_limit = [&](int depth, json::parse_event_t, json&) {
+    if (depth > 16) fail(Exit::Input, "cannot read view '{}': nested too deeply; see \"View files\"", file);
+    return true;
+  };
+  try {
+    return json::parse(text.str(), depth_limit);
+  } catch (const json::parse_error& e) {
+    fail(Exit::Input, "cannot read view '{}': not valid JSON at byte {}; check commas, quotes and brackets there", file,
+         e.byte);
+  } catch (const json::exception&) {
+    fail(Exit::Input, "cannot read view '{}': a number is out of range; use finite numbers", file);
+  }
+}
+
+std::string camera_list(const Scene& scene) {
+  if (scene.cameras.empty()) return "the scene has no cameras, give a view file (.json)";
+  std::string list;
+  for (size_t i = 0; i < std::min<size_t>(scene.cameras.size(), 20); ++i) {
+    list += fmt::format("{}{} '{}'", i ? ", " : "", i, scene.cameras[i].name);
+  }
+  if (scene.cameras.size() > 20) list += ", ...";
+  return "the scene has " + list;
+}
+
+Camera default_camera(const Scene& scene) {
+  return scene.cameras.empty() ? frame_bounds(scene.bounds) : scene.cameras.front();
+}
+
+}  // namespace
+
+View load_view(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  const json document = read_json(file);
+  const Reader reader(file, document, "");
+  reader.expect_object({"camera", "directional", "point", "environment"});
+  View view;
+  if (reader.has("camera")) view.camera = read_camera(reader.child("camera"));
+  if (reader.has("directional")) {
+    view.directional.emplace();
+    for (const Reader& row : reader.list("directional")) view.directional->push_back(read_directional(row));
+  }
+  if (reader.has("point")) {
+    view.point.emplace();
+    for (const Reader& row : reader.list("point")) view.point->push_back(read_point(row));
+  }
+  if (reader.has("environment")) view.environment = read_environment(reader.child("environment"));
+  return view;
+}
+
+void apply_view(const View& view, Scene& scene) {
+  if (view.directional) scene.directional = *view.directional;
+  if (view.point) scene.punctual = *view.point;
+  if (view.environment) scene.environment = *view.environment;
+}
+
+Camera select_view(const std::string& view, Scene& scene) {
+  if (view.empty()) return default_camera(scene);
+  if (std::filesystem::path(view).extension() == ".json") {
+    const View loaded = load_view(view);
+    apply_view(loaded, scene);
+    return loaded.camera ? *loaded.camera : default_camera(scene);
+  }
+  for (const Camera& camera : scene.cameras) {
+    if (camera.name == view) return camera;
+  }
+  const bool number =
+      view.size() <= 9 && std::all_of(view.begin(), view.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (number && size_t(std::stoul(view)) < scene.cameras.size()) return scene.cameras[std::stoul(view)];
+  fail(Exit::Input, "no view '{}': not a .json file, nor a camera's name or number; {}", one_line(view),
+       camera_list(scene));
+}
+
+Camera frame_bounds(const Bounds& bounds) {
+  const vec3 center = (bounds.min + bounds.max) * 0.5f;
+  const float radius = std::max(glm::length(bounds.max - bounds.min) * 0.5f, 1e-3f);
+  Camera camera;
+  camera.name = "framing";
+  camera.forward = -glm::normalize(vec3(1, 0.6f, 1.2f));
+  // The sphere around the box just fits the vertical angle; 10 % of air.
+  const float distance = 1.1f * radius / std::sin(camera.vfov / 2);
+  camera.position = center - camera.forward * distance;
+  camera.near = 0.01f * radius;
+  camera.far = distance + 2 * radius;
+  return camera;
+}
+
+}  // namespace nf::scene

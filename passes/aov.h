@@ -1,0 +1,38 @@
+// Output layers (AOVs): a table of what a frame can write out, each made by one full-screen pass that decodes it to floats.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "lighting.h"
+
+namespace nf::passes {
+
+// Everything an AOV can be made of.
+struct FrameOutputs {
+  GBuffer gbuffer;
+  Radiance direct;
+  GiResult gi;
+  graph::Tex lit;
+};
+
+struct Aov {
+  const char* name;      // as in the EXR file; "" is the final radiance
+  const char* channels;  // of the EXR layer
+  const char* help;
+  VkFormat format;
+  const char* define;    // of aov.frag
+};
+std::span<const Aov> aovs();
+// Throws nf::Error (Exit::Input) naming the layers there are.
+const Aov& find_aov(std::string_view name);
+
+struct AovPass {
+  std::vector<gpu::Pipeline> pipelines;  // by row of aovs()
+};
+AovPass create_aovs(gpu::Pipelines& pipelines);
+
+// Adds the pass; the image holds the layer's floats. Invalid when this frame does not have what the layer shows.
+graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& outputs);
+
+}  // namespace nf::passes

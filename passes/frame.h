@@ -1,0 +1,65 @@
+// The whole frame, top to bottom, and what a program needs to run it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "accumulate.h"
+#include "aov.h"
+#include "gi/techniques.h"
+#include "graph/executor.h"
+#include "view.h"
+
+namespace nf::passes {
+
+// Everything a user can set. The technique and the modes change the graph; values never do.
+struct FrameSettings {
+  const Technique* technique = &find_technique("vbgi");
+  GiSettings gi;
+  MaterialParams material;
+  ShadowParams shadow;
+  TonemapParams tonemap;
+
+  // Tables of everything, for --set, presets and help.
+  std::vector<ParamBlock> blocks();
+};
+
+// Device, pipelines, scene tables and executor of one view.
+class Renderer {
+ public:
+  Renderer(gpu::Device& device, const scene::Scene& scene);
+  ~Renderer();
+
+  // Adds all passes up to `lit`. The graph refers to this renderer's tables and must run before the next build().
+  FrameOutputs build(graph::Graph& graph, const FrameView& view, const FrameSettings& settings);
+
+  // Tone-maps `lit`, or its mean over frames when `mean_frame` >= 0 (which is then this frame's number): RGBA8.
+  graph::Tex add_picture(graph::Graph& graph, const FrameOutputs& outputs, const FrameSettings& settings, int64_t mean_frame = -1);
+  // The floats of a layer, or their mean. Invalid when this frame does not have what the layer shows.
+  graph::Tex add_layer(graph::Graph& graph, const FrameOutputs& outputs, const Aov& aov, int64_t mean_frame = -1);
+
+  gpu::Pipelines& pipelines() { return *pipelines_; }
+  graph::Executor& executor() { return *executor_; }
+  uint32_t draws() const { return camera_draws_.draws; }
+  size_t batches() const { return camera_draws_.batches.size(); }
+
+ private:
+  gpu::Device& device_;
+  const scene::Scene& scene_;
+  std::unique_ptr<gpu::Pipelines> pipelines_;
+  std::unique_ptr<SceneTables> tables_;
+  DrawList camera_draws_, shadow_draws_;
+  GBufferPass gbuffer_;
+  ShadowPass shadow_;
+  LightingPass lighting_;
+  GiPipelines gi_;
+  AovPass aovs_;
+  AccumulatePass accumulate_;
+  std::vector<std::string> mean_names_;  // by row of aovs()
+  std::unique_ptr<graph::Executor> executor_;  // last: goes first
+};
+
+// Compiles shaders with every table of the passes and the device's facts; also what tests use for shaders of their own.
+gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder, const std::filesystem::path& cache);
+
+}  // namespace nf::passes

@@ -1,0 +1,50 @@
+// Direct light, composition, tone curve.
+#include "lighting.h"
+
+namespace nf::passes {
+
+LightingPass create_lighting(gpu::Pipelines& pipelines) {
+  LightingPass pass;
+  pass.direct = pipelines.fullscreen("direct.frag");
+  pass.direct_shadowed = pipelines.fullscreen("direct.frag", {{"SHADOWED", "1"}});
+  for (int gi = 0; gi < 2; ++gi)
+    for (int visibility = 0; visibility < 2; ++visibility) {
+      gpu::Defines defines;
+      if (gi) defines.emplace_back("HAS_GI", "1");
+      if (visibility) defines.emplace_back("HAS_VISIBILITY", "1");
+      pass.composite[gi][visibility] = pipelines.fullscreen("composite.frag", defines);
+    }
+  pass.tonemap = pipelines.fullscreen("tonemap.frag");
+  return pass;
+}
+
+Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, graph::Tex shadow_map, const ShadowParams& shadow,
+                    const SceneTables& scene) {
+  const Radiance out{graph.image("direct.diffuse", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
+                     graph.image("direct.specular", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
+                     graph.image("direct.radiance", {g.size, VK_FORMAT_R32_UINT})};
+  auto builder = graph.fullscreen("direct.light", shadow_map ? pass.direct_shadowed : pass.direct, "Sun, point and spot lights: diffuse and specular, and the GI's source");
+  builder.in("depth", g.depth).in("normal", g.normal).in("albedo", g.albedo).in("material", g.material).in("emissive", g.emissive)
+      .in("lights", graph.import("scene.lights", scene.lights()))
+      .out("direct_diffuse", out.diffuse).out("direct_specular", out.specular).out("radiance", out.radiance);
+  if (shadow_map) builder.in("shadow_map", shadow_map).params(shadow);
+  return out;
+}
+
+graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const Radiance& direct, const GiResult& gi) {
+  const graph::Tex lit = graph.image("composite.lit", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT});
+  auto builder = graph.fullscreen("composite", pass.composite[gi.gi.valid()][gi.visibility.valid()], "Direct + ambient + indirect + emission");
+  builder.in("depth", g.depth).in("albedo", g.albedo).in("material", g.material).in("emissive", g.emissive)
+      .in("direct_diffuse", direct.diffuse).in("direct_specular", direct.specular).out("lit", lit);
+  if (gi.gi) builder.in("gi", gi.gi);
+  if (gi.visibility) builder.in("visibility", gi.visibility);
+  return lit;
+}
+
+graph::Tex add_tonemap(graph::Graph& graph, const LightingPass& pass, graph::Tex lit, const TonemapParams& params) {
+  const graph::Tex ldr = graph.image("tonemap.ldr", {graph.desc(lit).size, VK_FORMAT_R8G8B8A8_UNORM});
+  graph.fullscreen("tonemap", pass.tonemap, "Exposure, tone curve, sRGB").in("lit", lit).out("ldr", ldr).params(params);
+  return ldr;
+}
+
+}  // namespace nf::passes

@@ -1,0 +1,277 @@
+// Upload of the scene and building of draw lists.
+#include "scene_tables.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+
+#include "core/log.h"
+#include "gpu/frame_ring.h"
+#include "mips.h"
+
+namespace nf::passes {
+namespace {
+
+// Rows as shaders/common/scene.glsl declares them (scalar layout).
+struct InstanceRow {
+  glm::mat4 world, previous_world;
+  uint32_t material;
+  float mirrored;  // -1 where the transform mirrors, else 1
+};
+struct MaterialRow {
+  glm::vec4 base_color;
+  glm::vec3 emissive;
+  float metallic, roughness, normal_scale, alpha_cutoff;
+  glm::ivec4 layers;  // base colour, metallic-roughness, normal, emissive; -1 = no texture
+};
+struct LightRow {
+  glm::vec3 position;
+  uint32_t directional;
+  glm::vec3 direction;  // of travel, world
+  float range;
+  glm::vec3 radiance;  // irradiance or intensity times colour
+  float cone_scale, cone_offset;
+};
+
+VkSamplerAddressMode address(scene::Wrap wrap) {
+  return wrap == scene::Wrap::Repeat   ? VK_SAMPLER_ADDRESS_MODE_REPEAT
+         : wrap == scene::Wrap::Mirror ? VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT
+                                       : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+}
+VkFilter filter(scene::Filter f) { return f == scene::Filter::Linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST; }
+
+std::array<uint32_t, 4> textures_of(const scene::Material& m) {
+  return {m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.emissive_texture};
+}
+
+// Blended surfaces are drawn as cut-outs; sorted blending is not part of the deferred frame.
+DrawClass class_of(const scene::Material& m) { return m.alpha == scene::AlphaMode::Opaque ? DrawClass::Opaque : DrawClass::Masked; }
+
+}  // namespace
+
+bool DrawList::has(DrawClass draw_class) const {
+  return std::any_of(batches.begin(), batches.end(), [&](const Batch& b) { return b.draw_class == draw_class; });
+}
+
+std::span<const gpu::VertexStream> SceneTables::streams() {
+  static const gpu::VertexStream all[] = {{VK_FORMAT_R32G32B32_SFLOAT, 12}, {VK_FORMAT_R32G32B32_SFLOAT, 12}, {VK_FORMAT_R32G32B32A32_SFLOAT, 16},
+                                          {VK_FORMAT_R32G32_SFLOAT, 8}, {VK_FORMAT_R32G32B32A32_SFLOAT, 16}};
+  return all;
+}
+
+SceneTables::SceneTables(gpu::Device& device, const scene::Scene& scene) : device_(device), scene_(scene) {
+  upload_geometry();
+  upload_textures();
+  upload_materials();
+  upload_instances_and_lights();
+}
+
+SceneTables::~SceneTables() {
+  vkDeviceWaitIdle(device_.handle);
+  for (gpu::Buffer& stream : streams_) destroy(device_, stream);
+  for (gpu::Buffer* buffer : {&indices_, &instances_, &materials_, &lights_}) destroy(device_, *buffer);
+  for (gpu::Image& image : arrays_) destroy(device_, image);
+  for (const auto& [key, sampler] : samplers_) vkDestroySampler(device_.handle, sampler, nullptr);
+  vkDestroyDescriptorPool(device_.handle, pool_, nullptr);
+  vkDestroyDescriptorSetLayout(device_.handle, set_layout_, nullptr);
+}
+
+void SceneTables::upload_geometry() {
+  const scene::Geometry& g = scene_.geometry;
+  constexpr VkBufferUsageFlags vertex = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+  streams_ = {gpu::upload_table(device_, g.position, vertex, "scene.position"), gpu::upload_table(device_, g.normal, vertex, "scene.normal"),
+              gpu::upload_table(device_, g.tangent, vertex, "scene.tangent"), gpu::upload_table(device_, g.uv0, vertex, "scene.uv0"),
+              gpu::upload_table(device_, g.color, vertex, "scene.color")};
+  indices_ = gpu::upload_table(device_, g.index, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, "scene.indices");
+}
+
+void SceneTables::upload_textures() {
+  const std::array<std::byte, 4> white = {std::byte{255}, std::byte{255}, std::byte{255}, std::byte{255}};
+  const gpu::ImagePart white_part{0, 0, white};
+  arrays_.push_back(gpu::upload_image(device_, {.format = VK_FORMAT_R8G8B8A8_UNORM}, {&white_part, 1}, "scene.white", true));
+
+  // Pictures of one size and encoding share an array, split where the device's layer limit asks for it.
+  std::map<std::tuple<uint32_t, uint32_t, bool>, std::vector<uint32_t>> classes;
+  for (uint32_t i = 0; i < scene_.pictures.size(); ++i)
+    classes[{scene_.pictures[i].width, scene_.pictures[i].height, scene_.pictures[i].srgb}].push_back(i);
+  picture_slots_.resize(scene_.pictures.size());
+  for (const auto& [key, members] : classes) {
+    const auto& [width, height, srgb] = key;
+    for (size_t first = 0; first < members.size(); first += device_.facts.max_image_layers) {
+      const size_t count = std::min<size_t>(device_.facts.max_image_layers, members.size() - first);
+      std::vector<std::vector<std::vector<uint8_t>>> chains;
+      std::vector<gpu::ImagePart> parts;
+      for (uint32_t layer = 0; layer < count; ++layer) {
+        const uint32_t picture = members[first + layer];
+        picture_slots_[picture] = {uint32_t(arrays_.size()), layer};
+        chains.push_back(make_mips(scene_.pictures[picture]));
+        for (uint32_t mip = 0; mip < chains.back().size(); ++mip) parts.push_back({mip, layer, std::as_bytes(std::span(chains.back()[mip]))});
+      }
+      const gpu::ImageInfo info{.extent = {width, height}, .format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                                .mips = uint32_t(chains[0].size()), .layers = uint32_t(count)};
+      arrays_.push_back(gpu::upload_image(device_, info, parts, fmt::format("scene.textures {}x{}", width, height), true));
+    }
+  }
+}
+
+VkSampler SceneTables::sampler_for(const scene::Sampler& wanted) {
+  for (const auto& [key, sampler] : samplers_)
+    if (key == wanted) return sampler;
+  VkSamplerCreateInfo create{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO, .magFilter = filter(wanted.mag), .minFilter = filter(wanted.min),
+                             .mipmapMode = wanted.mip == scene::Filter::Linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                             .addressModeU = address(wanted.u), .addressModeV = address(wanted.v), .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                             .maxLod = wanted.mips ? VK_LOD_CLAMP_NONE : 0.25f};
+  VkSampler sampler = VK_NULL_HANDLE;
+  NF_VK(vkCreateSampler(device_.handle, &create, nullptr, &sampler));
+  samplers_.emplace_back(wanted, sampler);
+  return sampler;
+}
+
+uint32_t SceneTables::texture_set_for(const scene::Material& material) {
+  std::array<std::pair<uint32_t, VkSampler>, 4> key;
+  const auto textures = textures_of(material);
+  for (size_t i = 0; i < 4; ++i) {
+    if (textures[i] == scene::none) {
+      key[i] = {0u, sampler_for({})};
+    } else {
+      const scene::Texture& texture = scene_.textures[textures[i]];
+      key[i] = {picture_slots_[texture.picture].array, sampler_for(texture.sampler)};
+    }
+  }
+  const auto found = std::find(set_keys_.begin(), set_keys_.end(), key);
+  if (found != set_keys_.end()) return uint32_t(found - set_keys_.begin());
+  set_keys_.push_back(key);
+  return uint32_t(set_keys_.size() - 1);
+}
+
+void SceneTables::upload_materials() {
+  std::vector<MaterialRow> rows;
+  uint32_t blended = 0;
+  for (const scene::Material& m : scene_.materials) {
+    material_sets_.push_back(texture_set_for(m));
+    glm::ivec4 layers(-1);
+    const auto textures = textures_of(m);
+    for (int i = 0; i < 4; ++i)
+      if (textures[size_t(i)] != scene::none) layers[i] = int(picture_slots_[scene_.textures[textures[size_t(i)]].picture].layer);
+    blended += m.alpha == scene::AlphaMode::Blend;
+    const float cutoff = m.alpha == scene::AlphaMode::Mask ? m.alpha_cutoff : m.alpha == scene::AlphaMode::Blend ? 0.5f : 0.0f;
+    rows.push_back({m.base_color, m.emissive, m.metallic, m.roughness, m.normal_scale, cutoff, layers});
+  }
+  if (blended) log::warn("{} blended material{} drawn as cut-outs at alpha 0.5: this version has no transparency", blended, blended == 1 ? "" : "s");
+  materials_ = gpu::upload_table(device_, rows, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.materials");
+
+  std::vector<VkDescriptorSetLayoutBinding> bindings;
+  for (uint32_t i = 0; i < 4; ++i)
+    bindings.push_back({.binding = i, .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, .descriptorCount = 1, .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT});
+  VkDescriptorSetLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 4, .pBindings = bindings.data()};
+  NF_VK(vkCreateDescriptorSetLayout(device_.handle, &layout, nullptr, &set_layout_));
+  const uint32_t count = std::max<uint32_t>(uint32_t(set_keys_.size()), 1);
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * 4};
+  VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = count, .poolSizeCount = 1, .pPoolSizes = &size};
+  NF_VK(vkCreateDescriptorPool(device_.handle, &pool, nullptr, &pool_));
+  for (const auto& key : set_keys_) {
+    VkDescriptorSetAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, .descriptorPool = pool_, .descriptorSetCount = 1, .pSetLayouts = &set_layout_};
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    NF_VK(vkAllocateDescriptorSets(device_.handle, &allocate, &set));
+    VkDescriptorImageInfo infos[4];
+    VkWriteDescriptorSet writes[4];
+    for (uint32_t i = 0; i < 4; ++i) {
+      infos[i] = {key[i].second, arrays_[key[i].first].view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+      writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, .dstSet = set, .dstBinding = i, .descriptorCount = 1,
+                   .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, .pImageInfo = &infos[i]};
+    }
+    vkUpdateDescriptorSets(device_.handle, 4, writes, 0, nullptr);
+    sets_.push_back(set);
+  }
+}
+
+void SceneTables::upload_instances_and_lights() {
+  std::vector<InstanceRow> instances;
+  for (size_t i = 0; i < scene_.instances.size(); ++i) {
+    const uint32_t node = scene_.instances.node[i];
+    instances.push_back({scene_.nodes.world[node], scene_.nodes.previous_world[node], scene_.primitives[scene_.instances.primitive[i]].material,
+                         scene_.instances.mirrored[i] ? -1.0f : 1.0f});
+  }
+  std::vector<LightRow> lights;
+  for (const scene::DirectionalLight& l : scene_.directional)
+    lights.push_back({.position = {}, .directional = 1, .direction = l.direction, .range = 0, .radiance = l.color * l.irradiance, .cone_scale = 0, .cone_offset = 1});
+  for (const scene::PunctualLight& l : scene_.punctual) {
+    // KHR_lights_punctual: smooth between the cones as clamp(cos * scale + offset)^2.
+    const bool spot = l.outer_cone < 3.14f;
+    const float outer = std::cos(l.outer_cone);
+    const float scale = spot ? 1.0f / std::max(0.001f, std::cos(l.inner_cone) - outer) : 0.0f;
+    lights.push_back({.position = l.position, .directional = 0, .direction = l.direction, .range = l.range, .radiance = l.color * l.intensity,
+                      .cone_scale = scale, .cone_offset = spot ? -outer * scale : 1.0f});
+  }
+  instances_ = gpu::upload_table(device_, instances, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.instances");
+  lights_ = gpu::upload_table(device_, lights, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.lights");
+}
+
+void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const {
+  const scene::Instances& instances = scene_.instances;
+  std::vector<uint32_t> visible;
+  scene::cull(frustum, instances.center, instances.extent, visible);
+
+  struct Keyed {
+    uint64_t key;
+    uint32_t instance;
+  };
+  std::vector<Keyed> keyed;
+  keyed.reserve(visible.size());
+  for (const uint32_t i : visible) {
+    const uint32_t material = scene_.primitives[instances.primitive[i]].material;
+    const scene::Material& m = scene_.materials[material];
+    const glm::vec3 to = instances.center[i] - eye;
+    uint32_t distance_bits;
+    const float distance = glm::dot(to, to);
+    std::memcpy(&distance_bits, &distance, sizeof distance_bits);  // positive floats order as their bits
+    const uint64_t batch = uint64_t(class_of(m)) << 31 | uint64_t(material_sets_[material]) << 2 | uint64_t(m.double_sided) << 1 | uint64_t(instances.mirrored[i] != 0);
+    keyed.push_back({batch << 32 | distance_bits, i});
+  }
+  std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.instance < b.instance; });
+
+  const uint32_t capacity = std::max<uint32_t>(uint32_t(instances.size()), 1);
+  if (list.capacity < capacity) {
+    device_.wait_idle();
+    destroy(device_, list.commands);
+    list.commands = gpu::create_buffer(device_, VkDeviceSize(capacity) * gpu::FrameRing::size * sizeof(VkDrawIndexedIndirectCommand),
+                                       VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, gpu::Where::Host, "scene.draws");
+    list.capacity = capacity;
+  }
+  list.region = (list.region + 1) % gpu::FrameRing::size;
+  list.batches.clear();
+  list.draws = uint32_t(keyed.size());
+  const uint32_t base = list.region * list.capacity;
+  auto* commands = reinterpret_cast<VkDrawIndexedIndirectCommand*>(list.commands.mapped) + base;
+  for (uint32_t n = 0; n < keyed.size(); ++n) {
+    const uint32_t i = keyed[n].instance;
+    const scene::Primitive& p = scene_.primitives[instances.primitive[i]];
+    commands[n] = {.indexCount = p.index_count, .instanceCount = 1, .firstIndex = p.first_index, .vertexOffset = int32_t(p.vertex_offset), .firstInstance = i};
+    if (n == 0 || keyed[n].key >> 32 != keyed[n - 1].key >> 32) {
+      const scene::Material& m = scene_.materials[p.material];
+      list.batches.push_back({class_of(m), m.double_sided, instances.mirrored[i] != 0, material_sets_[p.material], base + n, 0});
+    }
+    ++list.batches.back().draw_count;
+  }
+}
+
+void SceneTables::destroy_list(DrawList& list) const {
+  destroy(device_, list.commands);
+  list = {};
+}
+
+void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder) const {
+  std::array<VkBuffer, 5> buffers;
+  for (size_t i = 0; i < buffers.size(); ++i) buffers[i] = streams_[i].handle;
+  recorder.bind_vertex_streams(std::span(buffers).first(with_materials ? 5 : 1));
+  recorder.bind_indices(indices_.handle);
+  for (const Batch& batch : list.batches) {
+    if (batch.draw_class != draw_class) continue;
+    if (with_materials) recorder.bind_set1(sets_[batch.texture_set]);
+    recorder.set_cull(batch.double_sided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT,
+                      batch.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    recorder.draw_indexed_indirect(list.commands.handle, VkDeviceSize(batch.first_draw) * sizeof(VkDrawIndexedIndirectCommand), batch.draw_count);
+  }
+}
+
+}  // namespace nf::passes

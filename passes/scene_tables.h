@@ -1,0 +1,84 @@
+// The scene on the GPU: vertex streams, tables of instances, materials and lights, textures in arrays, and the frame's draws as
+// indirect commands.
+//
+// Draws are batched so that a draw costs an indirect command and not a descriptor change: textures of one size and encoding
+// share an array, materials are rows of a table, and only a change of texture arrays, samplers, culling or alpha mode starts a
+// new batch.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "gpu/upload.h"
+#include "graph/graph.h"
+#include "scene/culling.h"
+#include "scene/scene.h"
+
+namespace nf::passes {
+
+enum class DrawClass : uint8_t { Opaque, Masked };
+
+struct Batch {
+  DrawClass draw_class;
+  bool double_sided, mirrored;
+  uint32_t texture_set;
+  uint32_t first_draw, draw_count;  // rows of the indirect buffer
+};
+
+// One view's draws: the camera's, or a shadow's.
+struct DrawList {
+  gpu::Buffer commands;  // host-visible, one region a frame in flight
+  uint32_t capacity = 0, region = 0;
+  std::vector<Batch> batches;
+  uint32_t draws = 0;
+  bool has(DrawClass draw_class) const;
+};
+
+class SceneTables {
+ public:
+  SceneTables(gpu::Device& device, const scene::Scene& scene);
+  ~SceneTables();
+  SceneTables(const SceneTables&) = delete;
+  SceneTables& operator=(const SceneTables&) = delete;
+
+  // Culls against the frustum, sorts (batch, then front to back from `eye`) and writes the indirect commands of this frame.
+  void build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const;
+  void destroy_list(DrawList& list) const;
+
+  // Records the batches of one class. `positions_only` binds the first stream alone (depth of opaque surfaces).
+  void draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder) const;
+
+  VkDescriptorSetLayout material_set_layout() const { return set_layout_; }
+  const gpu::Buffer& instances() const { return instances_; }
+  const gpu::Buffer& materials() const { return materials_; }
+  const gpu::Buffer& lights() const { return lights_; }
+  // All streams in the order of the shaders' locations: position, normal, tangent, uv0, color.
+  static std::span<const gpu::VertexStream> streams();
+
+ private:
+  struct ArraySlot {
+    uint32_t array, layer;
+  };
+  void upload_geometry();
+  void upload_textures();
+  void upload_materials();
+  void upload_instances_and_lights();
+  VkSampler sampler_for(const scene::Sampler& sampler);
+  uint32_t texture_set_for(const scene::Material& material);
+
+  gpu::Device& device_;
+  const scene::Scene& scene_;
+  std::array<gpu::Buffer, 5> streams_;
+  gpu::Buffer indices_, instances_, materials_, lights_;
+  std::vector<gpu::Image> arrays_;        // row 0: one white texel, for materials without a texture
+  std::vector<ArraySlot> picture_slots_;  // by scene picture
+  std::vector<std::pair<scene::Sampler, VkSampler>> samplers_;
+  std::vector<std::array<std::pair<uint32_t, VkSampler>, 4>> set_keys_;
+  std::vector<VkDescriptorSet> sets_;
+  std::vector<uint32_t> material_sets_;  // by material
+  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+};
+
+}  // namespace nf::passes

@@ -1,0 +1,13 @@
+// Running mean over frames: mean += (value - mean) * weight, weight = 1 / frames so far.
+#version 460
+#include "params/accumulate"
+
+uniform texture2D value;
+uniform texture2D previous_mean;
+layout(location = 0) out vec4 mean;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 before = texelFetch(previous_mean, pixel, 0);
+  mean = before + (texelFetch(value, pixel, 0) - before) * accumulate.weight;
+}

@@ -1,0 +1,22 @@
+// Bit masks over the sectors of a slice, bit j = sector j. The text compiles as GLSL and as C++ (tests/glsl_twin.h).
+#ifndef NF_COMMON_SECTORS_GLSL
+#define NF_COMMON_SECTORS_GLSL
+
+const int SECTOR_COUNT = 32;
+
+// Bits [0, n). The clamp keeps the shift count in 0..31: a shift by 32 is undefined in GLSL, SPIR-V and C++.
+uint low_mask(int n) {
+  uint bits = 0xFFFFFFFFu >> uint(32 - clamp(n, 1, 32));
+  return n <= 0 ? 0u : bits;
+}
+
+// Bits [a, b); empty when a >= b.
+uint sector_mask(int a, int b) { return low_mask(b) & ~low_mask(a); }
+
+// Bits between a and b in either order: what the marcher needs, since positions run downwards on one side of V.
+uint sector_span(int a, int b) { return low_mask(a) ^ low_mask(b); }
+
+// The same for word `word` of a mask of several words: sectors 32 * word .. 32 * word + 31.
+uint sector_span_word(int a, int b, int word) { return sector_span(a - 32 * word, b - 32 * word); }
+
+#endif

@@ -1,0 +1,1 @@
+nf_test(content_test nf_content LABELS cpu)

@@ -1,0 +1,1 @@
+nf_test(image_test nf_image LABELS cpu)

@@ -1,0 +1,5 @@
+nf_test(scene_test nf_scene LABELS cpu)
+nf_test(scene_node_test nf_scene LABELS cpu)
+nf_test(bad_scene_test nf_scene LABELS cpu)
+nf_test(bad_scene_file_test nf_scene LABELS cpu)
+nf_test(view_test nf_scene LABELS cpu)

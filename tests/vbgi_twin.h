@@ -1,0 +1,99 @@
+// The estimator of shaders/gi/vbgi.glsl compiled as C++ in namespace `twin`, fed by an analytic depth buffer; shared by
+// the tests that run the whole pass.
+#pragma once
+
+#include <cmath>
+#include <functional>
+
+#include "depth_bed.h"
+#include "gi/gi_params.h"
+#include "gi/vbgi_params.h"
+#include "glsl_twin.h"
+
+namespace twin {
+
+// What the GPU side provides: the two uniform blocks and the texels.
+struct Frame {
+  glm::vec2 ray_scale, ray_offset, pixels_per_tangent;
+  glm::ivec2 size;
+  unsigned frame_index = 0, seed = 0;
+};
+inline Frame frame;
+
+using Float = float;
+using Int = int;
+using Bool = unsigned;
+using Choice = int;
+struct Params {
+#define MEMBER(type, name, value, low, high, unit, help) type name = value;
+  NF_GI_PARAMS(MEMBER)
+  NF_VBGI_PARAMS(MEMBER)
+#undef MEMBER
+};
+// One object under both of the shader's block names.
+inline Params vbgi;
+inline Params& gi = vbgi;
+
+inline std::function<bed::Texel(glm::ivec2)> fetch;
+
+}  // namespace twin
+
+#define FETCH_DEPTH(p) fetch(p).depth
+#define FETCH_NORMAL(p) pack_normal(fetch(p).normal)
+#define FETCH_RADIANCE(p) pack_rgb9e5(fetch(p).radiance)
+NF_GLSL_BEGIN
+#include "gi/vbgi.glsl"
+NF_GLSL_END
+
+namespace twin {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kDegree = kPi / 180;
+
+inline void look_through(const bed::Camera& camera) {
+  glm::vec2 t(camera.tangents()), size(camera.size);
+  frame.ray_scale = glm::vec2(2, -2) * t / size;
+  frame.ray_offset = glm::vec2(-t.x, t.y);
+  frame.pixels_per_tangent = size / (2.0f * t);
+  frame.size = camera.size;
+}
+
+inline void use(const bed::Bed& bed) {
+  look_through(bed.camera);
+  fetch = [&bed](glm::ivec2 p) { return bed.texel(p); };
+}
+
+// Defaults, but many samples and unlimited radius and thickness.
+inline Params thorough(int slices = 64, int steps = 256) {
+  Params params;
+  params.radius = 1000;
+  params.slices = slices;
+  params.steps = steps;
+  params.infinite_thickness = 1;
+  return params;
+}
+
+// Mean of the estimator over frames, as --accumulate does.
+inline Estimate mean(glm::ivec2 pixel, const Params& params, int frames) {
+  vbgi = params;
+  Estimate sum{0, glm::vec3(0)};
+  for (int i = 0; i < frames; ++i) {
+    frame.frame_index = unsigned(i);
+    Estimate one = estimate_gi(pixel);
+    sum.visibility += one.visibility / float(frames);
+    sum.gi += one.gi / float(frames);
+  }
+  return sum;
+}
+
+inline bed::Quad floor_quad(glm::vec3 radiance = glm::vec3(0)) {
+  return {{-500, 0, 500}, {1000, 0, 0}, {0, 0, -1000}, radiance};
+}
+
+template <class Visit>
+void for_grid(glm::ivec2 size, Visit visit) {
+  for (int y = 0; y < 9; ++y)
+    for (int x = 0; x < 9; ++x) visit(glm::ivec2((size.x - 1) * x / 8, (size.y - 1) * y / 8));
+}
+
+}  // namespace twin
