@@ -11,7 +11,8 @@ namespace nf::capture {
 
 double nearest_rank(const std::vector<double>& sorted, double percent) {
   NF_CHECK(!sorted.empty() && percent >= 0 && percent <= 100, "{} samples, {} %", sorted.size(), percent);
-  const double rank = std::ceil(percent / 100 * double(sorted.size()));
+  // The product first: whole percentages of whole counts are then exact.
+  const double rank = std::ceil(percent * double(sorted.size()) / 100);
   return sorted[size_t(std::max(rank, 1.0)) - 1];
 }
 

@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds Nearfield and runs its tests.
+set -euo pipefail
+
+all=0
+for argument in "$@"; do
+  case $argument in
+    --all) all=1 ;;
+    -h | --help)
+      cat <<'HELP'
+Usage: ./test.sh [--all]
+Installs missing Debian packages (as root or with sudo), builds preset `release` and runs all tests with ctest.
+
+  --all    also checks the format of the sources, that Clang compiles everything without a warning, and that the tests
+           without a GPU run clean under AddressSanitizer and UndefinedBehaviorSanitizer. Needs clang and clang-format,
+           and takes several times as long.
+
+Without a GPU the tests run on Mesa's software device. The exit code is 0 when everything passed.
+HELP
+      exit 0
+      ;;
+    *) printf '%s\n' "error: unknown argument '$argument'; see ./test.sh --help" >&2 && exit 2 ;;
+  esac
+done
+
+cd "$(dirname "${BASH_SOURCE[0]}")"
+. .ci/packages.sh
+
+failed=()
+# part NAME COMMAND...: a failing part is remembered, the others still run.
+part() {
+  local name=$1
+  shift
+  if ! "$@"; then
+    say "FAILED: $name"
+    failed+=("$name")
+  fi
+}
+
+check_format() {
+  say "Checking the format of the sources."
+  find engine passes editor tests content \( -name '*.h' -o -name '*.cpp' \) -print0 |
+    xargs -0 clang-format --dry-run -Werror
+}
+
+check_clang() {
+  configure clang -DCMAKE_C_COMPILER=clang-16 -DCMAKE_CXX_COMPILER=clang++-16 || return
+  say "Building with Clang."
+  cmake --build build/clang
+}
+
+# Only the executables whose tests are labelled `cpu`: what a driver allocates is not ours to check.
+check_sanitizers() {
+  configure asan || return
+  local file targets=()
+  for file in build/asan/tests/*_include.cmake; do
+    grep -q 'TEST_PROPERTIES.*[[;]cpu[];]' "$file" || continue
+    file=${file##*/}
+    targets+=("${file%%[*}")
+  done
+  say "Building ${#targets[@]} test programs with sanitizers."
+  cmake --build build/asan --target "${targets[@]}" || return
+  say "Running them."
+  UBSAN_OPTIONS=print_stacktrace=1 ctest --test-dir build/asan --output-on-failure -L '^cpu$'
+}
+
+run_tests() {
+  ctest --test-dir build/release --output-on-failure
+}
+
+if [ "$all" -eq 1 ]; then
+  install_packages "${build_packages[@]}" "${check_packages[@]}"
+else
+  install_packages "${build_packages[@]}"
+fi
+
+# Where there is no GPU, the tests use Mesa's software device and nothing else that may be installed.
+if [ -z "${VK_ICD_FILENAMES:-}${VK_DRIVER_FILES:-}" ] && [ ! -e /dev/dri ] && [ ! -e /dev/nvidiactl ]; then
+  for icd in /usr/share/vulkan/icd.d/lvp_icd.*.json; do
+    if [ -e "$icd" ]; then export VK_ICD_FILENAMES=$icd; fi
+  done
+fi
+
+if [ "$all" -eq 1 ]; then
+  part "format" check_format
+fi
+configure release
+say "Building. The first time takes some minutes."
+cmake --build build/release
+if [ "$all" -eq 1 ]; then
+  part "Clang build" check_clang
+  part "sanitizers" check_sanitizers
+fi
+# Last, so that ctest's closing line is that of the whole test set.
+say "Running the tests."
+part "tests" run_tests
+
+if [ ${#failed[@]} -gt 0 ]; then
+  printf '%s\n' "error: failed: $(IFS=,; printf '%s' "${failed[*]}")" >&2
+  exit 1
+fi
+say "All passed."

@@ -1,0 +1,1 @@
+nf_test(capture_test nf_capture LABELS cpu)

@@ -1,0 +1,1 @@
+nf_test(core_test nf_core LABELS cpu)

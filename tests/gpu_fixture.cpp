@@ -1,0 +1,96 @@
+// The GPU test fixture.
+#include "gpu_fixture.h"
+
+#include <unistd.h>
+
+#include "core/log.h"
+
+namespace nf::test {
+
+namespace {
+
+std::unique_ptr<gpu::Device> the_device;
+
+// The device goes before the process's static objects do: the validation layer has some of its own.
+class DeviceEnvironment : public testing::Environment {
+  void TearDown() override { the_device.reset(); }
+};
+[[maybe_unused]] const auto* environment = testing::AddGlobalTestEnvironment(new DeviceEnvironment);
+
+}  // namespace
+
+gpu::Device& device() {
+  if (!the_device) the_device = std::make_unique<gpu::Device>(gpu::DeviceOptions{.select = "", .validation = true});
+  return *the_device;
+}
+
+void GpuTest::TearDown() {
+  for (const std::string& message : device().take_messages()) ADD_FAILURE() << message;
+  if (!folder_.empty()) std::filesystem::remove_all(folder_);
+}
+
+std::filesystem::path GpuTest::temporary(const std::string& name) {
+  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+  folder_ = std::filesystem::temp_directory_path() / fmt::format("nearfield-{}-{}-{}", info->test_suite_name(), info->name(), getpid());
+  std::filesystem::create_directories(folder_);
+  return folder_ / name;
+}
+
+scene::Scene GpuTest::load(const content::Builder& builder) {
+  const std::filesystem::path path = temporary("scene.glb");
+  builder.save(path);
+  return scene::load_gltf(path);
+}
+
+Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
+  passes::Renderer renderer(device(), scene);
+  passes::FrameView view;
+  view.camera = view.previous_camera = request.camera;
+  view.size = request.size;
+  view.seed = request.seed;
+  Shot shot;
+  for (uint32_t frame = 0; frame < request.frames; ++frame) {
+    view.frame_index = frame;
+    graph::Graph graph(renderer.executor().histories());
+    const passes::FrameOutputs outputs = renderer.build(graph, view, request.settings);
+    const int64_t mean = request.accumulate ? int64_t(frame) : -1;
+    std::vector<std::string> names;
+    for (const passes::Aov& aov : passes::aovs())
+      if (const graph::Tex tex = renderer.add_layer(graph, outputs, aov, mean)) {
+        graph.readback("layer", tex);
+        names.emplace_back(aov.name);
+      }
+    graph.readback("picture", renderer.add_picture(graph, outputs, request.settings, mean));
+    const size_t wanted = names.size() + 1;
+    // Every other target that can hold a NaN.
+    for (uint16_t r = 0; r < graph.resources.size(); ++r) {
+      const VkFormat format = graph.resources[r].desc.format;
+      const bool is_float = format == VK_FORMAT_R16_SFLOAT || format == VK_FORMAT_R16G16_SFLOAT || format == VK_FORMAT_R16G16B16A16_SFLOAT ||
+                            format == VK_FORMAT_R32_SFLOAT || format == VK_FORMAT_R32G32_SFLOAT || format == VK_FORMAT_R32G32B32A32_SFLOAT || format == VK_FORMAT_D32_SFLOAT;
+      if (is_float && graph.resources[r].lifetime != graph::Lifetime::HistoryPrev) graph.readback(graph.resources[r].name, graph::Tex{r});
+    }
+    renderer.executor().run(graph, {.drop_barrier = request.drop_barrier});
+    shot.times = renderer.executor().finish();
+    const std::vector<graph::Readback> readbacks = renderer.executor().take_readbacks();
+    for (size_t i = 0; i < readbacks.size(); ++i) {
+      if (i == names.size()) {
+        shot.picture = readbacks[i].texels;
+        continue;
+      }
+      image::Image image{readbacks[i].desc.size.width, readbacks[i].desc.size.height, 0, {}};
+      image.pixels = graph::to_floats(readbacks[i], image.channels);
+      const image::NonFinite bad = image::find_non_finite(image);
+      EXPECT_FALSE(bad.any()) << readbacks[i].name << ": " << bad.nan << " NaN, " << bad.inf << " infinite, first at " << bad.first_x << "," << bad.first_y << " of frame " << frame;
+      if (i < wanted) shot.layers[names[i]] = std::move(image);
+    }
+    view.previous_camera = view.camera;
+  }
+  shot.plan = renderer.executor().plan();
+  return shot;
+}
+
+scene::Camera look(glm::vec3 eye, glm::vec3 target, float vfov_deg, glm::vec3 up) {
+  return {.name = "test", .position = eye, .forward = glm::normalize(target - eye), .up = up, .vfov = glm::radians(vfov_deg)};
+}
+
+}  // namespace nf::test

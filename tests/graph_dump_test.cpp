@@ -1,0 +1,201 @@
+// The topology hash, and graphs and plans as JSON and text.
+#include "graph/dump.h"
+
+#include <functional>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "graph_values.h"
+
+namespace nf::graph {
+namespace {
+
+using nlohmann::json;
+constexpr VkFormat r32 = VK_FORMAT_R32_SFLOAT;
+
+#define NF_TINT_PARAMS(P) P(Float, strength, 1.0f, 0.0f, 4.0f, "", "Strength")
+NF_DECLARE_PARAMS(TintParams, "tint", NF_TINT_PARAMS)
+
+// What a graph may differ in.
+struct Variant {
+  Size size{64, 32};
+  VkFormat format = r32;
+  uint8_t mips = 1, layers = 1;
+  const char *slot = "from", *pass = "filter", *resource = "b";
+  std::array<float, 4> clear{0, 0, 0, 1};
+  bool cleared = true, history = false, swapped = false, second_pipeline = false, show = true;
+  float strength = 1;
+  uint64_t callback = 1;
+};
+
+class GraphValueTest : public testing::Test {
+ protected:
+  Shaders shaders;
+  const gpu::Slot block{.name = "tint", .kind = gpu::SlotKind::UniformBlock, .block_size = 4, .members = {{"strength", 0}}};
+  const gpu::Pipeline source = shaders.make({storage_out("value")});
+  const gpu::Pipeline filter = shaders.make({sampled("from"), sampled("other"), storage_out("value"), block});
+  const gpu::Pipeline twin = shaders.make({sampled("from"), sampled("other"), storage_out("value"), block});
+  const gpu::Pipeline show = shaders.make({sampled("from")}, {"color"});
+
+  Graph make(const Variant& v = {}) {
+    Graph graph;
+    const ImageDesc desc{v.size, v.format, v.mips, v.layers};
+    const Tex a = graph.image("a", desc);
+    const Tex b = v.history ? graph.history(v.resource, desc).next : graph.image(v.resource, desc);
+    const Tex c = graph.image("c", desc);
+    graph.compute("source", source).out("value", a).over(v.swapped ? b : a);
+    TintParams params;
+    params.strength = v.strength;
+    graph.compute(v.pass, v.second_pipeline ? twin : filter).in(v.slot, a).out("value", b).params(params).over(b);
+    auto last = v.show ? graph.fullscreen("show", show) : graph.raster("show", show);
+    last.in("from", b);
+    v.cleared ? last.out("color", c, v.clear) : last.out("color", c);
+    last.draw([callback = v.callback](const Recorder&) { (void)callback; });
+    graph.readback("out", c);
+    return graph;
+  }
+};
+
+TEST_F(GraphValueTest, HashLeavesValuesOut) {
+  const uint64_t hash = topology_hash(make());
+  EXPECT_EQ(hash, topology_hash(make()));
+  EXPECT_EQ(hash, topology_hash(make({.strength = 3})));
+  EXPECT_EQ(hash, topology_hash(make({.callback = 2})));
+}
+
+TEST_F(GraphValueTest, HashTellsTopologiesApart) {
+  const std::pair<const char*, Variant> variants[] = {
+      {"none", {}},
+      {"width", {.size = {65, 32}}},
+      {"height", {.size = {64, 33}}},
+      {"turned", {.size = {32, 64}}},
+      {"format", {.format = VK_FORMAT_R16_SFLOAT}},
+      {"mips", {.mips = 2}},
+      {"layers", {.layers = 2}},
+      {"slot", {.slot = "other"}},
+      {"pass", {.pass = "blur"}},
+      {"resource", {.resource = "bb"}},
+      {"clear", {.clear = {0, 0, 0, 0.5f}}},
+      {"clear red", {.clear = {1, 0, 0, 1}}},
+      {"uncleared", {.cleared = false}},
+      {"uncleared, colour zero", {.clear = {0, 0, 0, 0}}},
+      {"lifetime", {.history = true}},
+      {"threads", {.swapped = true}},
+      {"pipeline", {.second_pipeline = true}},
+      {"kind", {.show = false}},
+  };
+  std::set<uint64_t> seen;
+  for (const auto& [what, variant] : variants) EXPECT_TRUE(seen.insert(topology_hash(make(variant))).second) << what;
+}
+
+TEST_F(GraphValueTest, HashSeesWhoReadsWhat) {
+  const auto graph = [&](bool swapped) {
+    Graph g;
+    const Tex a = g.image("a", {{4, 4}, r32}), b = g.image("b", {{4, 4}, r32}), c = g.image("c", {{4, 4}, r32});
+    g.compute("a", source).out("value", a).over(a);
+    g.compute("b", source).out("value", b).over(b);
+    g.compute("c", filter).in("from", swapped ? b : a).in("other", swapped ? a : b).out("value", c).over(c);
+    g.readback("out", c);
+    return topology_hash(g);
+  };
+  EXPECT_NE(graph(false), graph(true));
+}
+
+class GraphDumpTest : public GraphValueTest {
+ protected:
+  // source -> a; (dead) -> d; accumulate: a, h.prev, scene buffer -> h.next; show: h.next -> c; read back.
+  GraphDumpTest() {
+    const ImageDesc desc{{64, 32}, VK_FORMAT_R16G16B16A16_SFLOAT};
+    const Tex a = graph.image("a", desc), d = graph.image("d", desc), c = graph.image("c", {{64, 32}, r32});
+    const History h = graph.history("mean", desc);
+    const Buf lights = graph.import("lights", buffer);
+    graph.compute("source", source, "Makes a").out("value", a).over(a);
+    graph.compute("dead", source).out("value", d).over(d);
+    graph.compute("accumulate", mix).in("from", a).in("before", h.prev).in("lights", lights).out("value", h.next).over(h.next);
+    graph.fullscreen("show", show).in("from", h.next).out("color", c);
+    graph.readback("out", c);
+    EXPECT_TRUE(validate(graph).empty());
+    plan = compile(graph);
+  }
+  const gpu::Pipeline mix =
+      shaders.make({sampled("from"), sampled("before"), storage_out("value"),
+                    {.name = "lights", .kind = gpu::SlotKind::StorageBuffer, .readonly = true}});
+  const gpu::Buffer buffer{.size = 160};
+  Graph graph;
+  Plan plan;
+};
+
+TEST_F(GraphDumpTest, JsonHasTheSchema) {
+  const json doc = json::parse(to_json(graph, plan).dump());
+  EXPECT_EQ(doc["schema"], "nearfield.graph/1");
+  ASSERT_EQ(doc["passes"].size(), 5u);
+  for (const json& pass : doc["passes"]) {
+    for (const char* key : {"name", "kind", "culled", "uses", "barriers"}) EXPECT_TRUE(pass.contains(key)) << key;
+    for (const json& use : pass["uses"])
+      for (const char* key : {"resource", "use", "slot", "mip"}) EXPECT_TRUE(use.contains(key)) << key;
+  }
+  ASSERT_EQ(doc["resources"].size(), 6u);  // the two sides of the history are two rows
+  std::set<std::string> names;
+  for (const json& resource : doc["resources"]) {
+    names.insert(resource["name"]);
+    for (const char* key :
+         {"name", "kind", "format", "size", "bytes", "first", "last", "heap", "offset", "transient", "alias_of"})
+      EXPECT_TRUE(resource.contains(key)) << key;
+  }
+  EXPECT_EQ(names.size(), 6u);
+  for (const char* key : {"placed_bytes", "max_live_bytes", "unaliased_bytes"})
+    EXPECT_TRUE(doc["memory"][key].is_number_unsigned()) << key;
+  EXPECT_EQ(doc["memory"]["unaliased_bytes"], 64 * 32 * (8 + 4));
+  EXPECT_EQ(doc["memory"]["max_live_bytes"], 64 * 32 * 8);
+  EXPECT_EQ(doc["histories"].size(), 1u);
+  EXPECT_EQ(doc["histories"][0]["name"], "mean");
+}
+
+TEST_F(GraphDumpTest, JsonTellsWhatHappens) {
+  const json doc = to_json(graph, plan);
+  const json& passes = doc["passes"];
+  EXPECT_EQ(passes[0]["name"], "source");
+  EXPECT_EQ(passes[0]["kind"], "compute");
+  EXPECT_EQ(passes[0]["culled"], false);
+  EXPECT_EQ(passes[1]["culled"], true);
+  EXPECT_TRUE(passes[1]["barriers"].empty());
+  EXPECT_EQ(passes[3]["kind"], "fullscreen");
+  EXPECT_EQ(passes[4]["kind"], "readback");
+  const json& uses = passes[2]["uses"];
+  ASSERT_EQ(uses.size(), 4u);
+  EXPECT_EQ(uses[0], json({{"resource", "a"}, {"use", "sampled"}, {"slot", "from"}, {"mip", 0}}));
+  EXPECT_EQ(uses[1]["resource"], "mean.prev");
+  EXPECT_EQ(uses[2], json({{"resource", "lights"}, {"use", "storage_buffer"}, {"slot", "lights"}, {"mip", 0}}));
+  EXPECT_EQ(uses[3]["use"], "storage_write");
+  EXPECT_EQ(passes[4]["uses"][0]["slot"], nullptr);
+  size_t barriers = 0;
+  for (const json& pass : passes) barriers += pass["barriers"].size();
+  EXPECT_EQ(barriers, plan.barriers.size());
+  ASSERT_EQ(passes[3]["barriers"].size(), 2u);  // what it samples, what it draws to: by row of the resource
+  for (const json& barrier : passes[3]["barriers"])
+    for (const char* key : {"resource", "src", "dst", "from", "to"}) EXPECT_TRUE(barrier[key].is_string()) << key;
+  EXPECT_EQ(passes[3]["barriers"][1], json({{"resource", "mean"}, {"src", "compute"}, {"dst", "fragment"},
+                                            {"from", "general"}, {"to", "shader_read"}}));
+  const json& dead = doc["resources"][1];
+  EXPECT_EQ(dead["name"], "d");
+  EXPECT_TRUE(dead["first"].is_null());
+  EXPECT_EQ(doc["resources"][0]["first"], 0);
+  EXPECT_EQ(doc["resources"][0]["last"], 1);
+  EXPECT_EQ(doc["resources"][0]["size"], json({64, 32}));
+  EXPECT_EQ(doc["resources"][0]["transient"], true);
+  EXPECT_EQ(doc["resources"][3]["transient"], false);
+  EXPECT_EQ(doc["resources"][5]["kind"], "buffer");
+  EXPECT_EQ(doc["resources"][5]["bytes"], 160);
+}
+
+TEST_F(GraphDumpTest, TextNamesEverything) {
+  const std::string text = to_text(graph, plan);
+  for (const char* word : {"source", "dead", "accumulate", "show", "out", "culled", "mean.prev", "lights", "64x32", "unused",
+                           "(history)", "fullscreen", "memory:"})
+    EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+  EXPECT_NE(text.find(fmt::format("{} barriers", plan.barriers.size())), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace nf::graph

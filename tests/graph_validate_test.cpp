@@ -1,0 +1,291 @@
+// Every way in which a graph can be wrong is found, and said with pass, slot, resource and both source lines.
+#include <gtest/gtest.h>
+
+#include "graph_values.h"
+
+namespace nf::graph {
+namespace {
+
+using Kind = Diagnostic::Kind;
+constexpr VkFormat r32 = VK_FORMAT_R32_SFLOAT;
+
+#define NF_TINT_PARAMS(P) P(Float, strength, 1.0f, 0.0f, 4.0f, "", "Strength") P(Int, steps, 1, 0, 4, "", "Steps")
+NF_DECLARE_PARAMS(TintParams, "tint", NF_TINT_PARAMS)
+
+std::string line_of(const Location& at) { return fmt::format("tests/graph_validate_test.cpp:{}", at.line()); }
+
+class ValidateTest : public testing::Test {
+ protected:
+  Shaders shaders;
+  const gpu::Slot block{
+      .name = "tint", .kind = gpu::SlotKind::UniformBlock, .block_size = 8, .members = {{"strength", 0}, {"steps", 4}}};
+  const gpu::Pipeline source = shaders.make({storage_out("value")});
+  const gpu::Pipeline filter = shaders.make({sampled("from"), storage_out("value")});
+  const gpu::Pipeline tinted = shaders.make({storage_out("value"), block});
+  const gpu::Pipeline paint = shaders.make({}, {"color"});
+  const ImageDesc desc{{64, 32}, r32};
+  const gpu::Buffer buffer{.size = 16};
+  Graph graph;
+  // Where resources of the fault at hand are declared and used: two lines that nothing else stands on.
+  const Location declared = Location::current();
+  const Location used = Location::current();
+
+  Tex image(const char* name) { return graph.image(name, desc, declared); }
+  Tex written(const char* name, const ImageDesc& d) {
+    const Tex tex = graph.image(name, d, declared);
+    graph.compute("write", source).out("value", tex).over(tex);
+    return tex;
+  }
+  Tex written(const char* name) { return written(name, desc); }
+
+  // Exactly one diagnostic, of this kind, with these words in its text.
+  void expect(Kind kind, const std::vector<std::string>& words) const {
+    const auto found = validate(graph);
+    ASSERT_EQ(found.size(), 1u) << (found.size() > 1 ? found[0].text + "\n" + found[1].text : "");
+    EXPECT_EQ(found[0].kind, kind) << found[0].text;
+    for (const std::string& word : words)
+      EXPECT_NE(found[0].text.find(word), std::string::npos) << "no '" << word << "' in: " << found[0].text;
+    EXPECT_EQ(found[0].text.find('\n'), std::string::npos);
+  }
+  std::vector<std::string> words(const char* pass, const char* slot, const char* resource) const {
+    return {pass, fmt::format("'{}'", slot), fmt::format("'{}'", resource), line_of(used), line_of(declared)};
+  }
+};
+
+TEST_F(ValidateTest, CorrectGraphReportsNothing) {
+  const Tex a = written("a"), sum = written("sum"), b = image("b"), color = image("color");
+  const Tex depth = graph.image("depth", {{64, 32}, VK_FORMAT_D32_SFLOAT});
+  const History h = graph.history("mean", desc);
+  const gpu::Pipeline everything =
+      shaders.make({sampled("from"), storage_in("before", r32), storage_out("value", r32), storage_inout("sum"),
+                    {.name = "lights", .kind = gpu::SlotKind::StorageBuffer, .readonly = true},
+                    {.name = "linear_clamp", .kind = gpu::SlotKind::Sampler},
+                    block});
+  graph.share(TintParams{});
+  graph.compute("everything", everything)
+      .in("from", a).in("before", h.prev).in("lights", graph.import("lights", buffer)).out("value", h.next)
+      .inout("sum", sum).over(a);
+  graph.raster("draw", paint).out("color", color, {0, 0, 0, 0}).depth(depth, 0.0f);
+  graph.fullscreen("again", paint).out("color", color);
+  graph.compute("tinted", tinted).out("value", b).params(TintParams{}).over(b);
+  graph.readback("color", color);
+  graph.readback("b", b);
+  for (const Diagnostic& d : validate(graph)) ADD_FAILURE() << d.text;
+}
+
+TEST_F(ValidateTest, SlotMissing) {
+  const Tex a = written("a"), b = image("b");
+  graph.compute("filter", filter).in("from", a).in("normal", a, used).out("value", b).over(b);
+  auto wanted = words("filter", "normal", "a");
+  wanted.insert(wanted.end(), {"from", "value"});  // what there is
+  expect(Kind::SlotMissing, wanted);
+}
+
+TEST_F(ValidateTest, OutputMissing) {
+  const Tex a = image("a"), b = image("b");
+  graph.fullscreen("paint", paint).out("color", a).out("bright", b, used);
+  expect(Kind::SlotMissing, words("paint", "bright", "b"));
+}
+
+TEST_F(ValidateTest, ParameterBlockMissing) {
+  const Tex a = image("a");
+  graph.compute("write", source).out("value", a).params(TintParams{}, used).over(a);
+  expect(Kind::SlotMissing, {"write", "'tint'", line_of(used)});
+}
+
+TEST_F(ValidateTest, SlotNotFed) {
+  const Tex b = image("b");
+  graph.compute("filter", filter, "", used).out("value", b).over(b);
+  expect(Kind::SlotNotFed, {"filter", "'from'", line_of(used)});
+}
+
+TEST_F(ValidateTest, OutputAndBlockNotFed) {
+  const Tex a = image("a");
+  graph.fullscreen("two", shaders.make({}, {"color", "bright"}), "", used).out("color", a);
+  expect(Kind::SlotNotFed, {"two", "'bright'", line_of(used)});
+  graph = Graph();
+  const Tex c = graph.image("c", desc);
+  graph.compute("tinted", tinted, "", used).out("value", c).over(c);
+  expect(Kind::SlotNotFed, {"tinted", "'tint'", line_of(used)});
+}
+
+TEST_F(ValidateTest, InputOfAWriteonlyImage) {
+  const Tex a = written("a"), b = image("b");
+  graph.compute("copy", shaders.make({storage_out("from"), storage_out("value")})).in("from", a, used).out("value", b).over(b);
+  expect(Kind::Direction, words("copy", "from", "a"));
+}
+
+TEST_F(ValidateTest, OutputOfAReadonlyImage) {
+  const Tex b = image("b");
+  graph.compute("copy", shaders.make({storage_in("value")})).out("value", b, used).over(b);
+  expect(Kind::Direction, words("copy", "value", "b"));
+}
+
+TEST_F(ValidateTest, OutputOfAnImageThatIsReadToo) {
+  const Tex b = image("b");
+  graph.compute("copy", shaders.make({storage_inout("value")})).out("value", b, used).over(b);
+  expect(Kind::Direction, words("copy", "value", "b"));
+}
+
+TEST_F(ValidateTest, InoutOfAnImageUsedOneWay) {
+  for (const gpu::Slot& slot : {storage_in("value"), storage_out("value")}) {
+    graph = Graph();
+    const Tex a = written("a");
+    graph.compute("modify", shaders.make({slot})).inout("value", a, used).over(a);
+    expect(Kind::Direction, words("modify", "value", "a"));
+  }
+}
+
+TEST_F(ValidateTest, AnotherKindOfDescriptor) {
+  const Tex a = written("a"), b = image("b");
+  const gpu::Slot buffer_slot{.name = "from", .kind = gpu::SlotKind::StorageBuffer, .readonly = true};
+  graph.compute("filter", shaders.make({buffer_slot, storage_out("value")})).in("from", a, used).out("value", b).over(b);
+  expect(Kind::Direction, words("filter", "from", "a"));
+  graph = Graph();
+  const Tex c = graph.image("c", desc);
+  graph.compute("filter", filter).in("from", graph.import("lights", buffer, declared), used).out("value", c).over(c);
+  expect(Kind::Direction, words("filter", "from", "lights"));
+}
+
+TEST_F(ValidateTest, BufferThatTheShaderWrites) {
+  const Tex a = image("a");
+  const gpu::Pipeline writer = shaders.make({storage_out("value"), {.name = "lights", .kind = gpu::SlotKind::StorageBuffer}});
+  graph.compute("light", writer).in("lights", graph.import("light table", buffer, declared), used).out("value", a).over(a);
+  expect(Kind::Direction, words("light", "lights", "light table"));
+}
+
+TEST_F(ValidateTest, HistoryPrevIsNotWritten) {
+  const History h = graph.history("mean", desc, declared);
+  graph.compute("write", source).out("value", h.prev, used).over(h.prev);
+  expect(Kind::Direction, words("write", "value", "mean"));
+}
+
+TEST_F(ValidateTest, FormatMismatch) {
+  const Tex a = image("a");
+  graph.compute("write", shaders.make({storage_out("value", VK_FORMAT_R16_SFLOAT)})).out("value", a, used).over(a);
+  auto wanted = words("write", "value", "a");
+  wanted.insert(wanted.end(), {gpu::format_name(VK_FORMAT_R16_SFLOAT), gpu::format_name(r32)});
+  expect(Kind::FormatMismatch, wanted);
+}
+
+TEST_F(ValidateTest, AttachmentsOfDifferentSize) {
+  const Tex a = image("a"), depth = graph.image("depth", {{32, 32}, VK_FORMAT_D32_SFLOAT}, declared);
+  graph.raster("draw", paint).out("color", a).depth(depth, used);
+  expect(Kind::SizeMismatch, {"draw", "'depth'", "32x32", "64x32", "'a'", line_of(used), line_of(declared)});
+}
+
+TEST_F(ValidateTest, OutputOfAnotherSizeThanTheThreads) {
+  const Tex a = image("a"), small = graph.image("small", {{16, 8}, r32});
+  graph.compute("write", source).out("value", a, used).over(small);
+  auto wanted = words("write", "value", "a");
+  wanted.insert(wanted.end(), {"64x32", "16x8"});
+  expect(Kind::SizeMismatch, wanted);
+}
+
+TEST_F(ValidateTest, ComputeWithoutThreads) {
+  graph.compute("write", source, "", used).out("value", image("a"));
+  expect(Kind::SizeMismatch, {"write", "over()", line_of(used)});
+}
+
+TEST_F(ValidateTest, ReadBeforeWrite) {
+  const Tex a = image("a"), b = image("b");
+  graph.compute("filter", filter).in("from", a, used).out("value", b).over(b);
+  graph.compute("late", source).out("value", a).over(a);
+  expect(Kind::ReadBeforeWrite, words("filter", "from", "a"));
+}
+
+TEST_F(ValidateTest, ReadBeforeWriteOfInoutReadbackAndNext) {
+  const Tex a = image("a");
+  graph.compute("modify", shaders.make({storage_inout("value")})).inout("value", a, used).over(a);
+  expect(Kind::ReadBeforeWrite, words("modify", "value", "a"));
+  graph = Graph();
+  graph.readback("copy", graph.image("b", desc, declared), used);
+  expect(Kind::ReadBeforeWrite, {"copy", "'b'", line_of(used), line_of(declared)});
+  graph = Graph();
+  const History h = graph.history("mean", desc, declared);
+  graph.readback("copy", h.next, used);
+  expect(Kind::ReadBeforeWrite, {"copy", "'mean'", line_of(used), line_of(declared)});
+}
+
+TEST_F(ValidateTest, UsedTwice) {
+  const Tex a = written("a");
+  graph.compute("filter", filter).in("from", a).out("value", a, used).over(a);
+  auto wanted = words("filter", "value", "a");
+  wanted.push_back("'from'");
+  expect(Kind::UsedTwice, wanted);
+}
+
+TEST_F(ValidateTest, UsedTwiceInTwoLayouts) {
+  const Tex a = written("a"), b = image("b");
+  const gpu::Pipeline both = shaders.make({sampled("from"), storage_in("load"), storage_out("value")});
+  graph.compute("both", both).in("from", a).in("load", a, used).out("value", b).over(b);
+  expect(Kind::UsedTwice, words("both", "load", "a"));
+}
+
+TEST_F(ValidateTest, TwoReadsOfOneKindAreFine) {
+  const Tex a = written("a"), b = image("b");
+  graph.compute("both", shaders.make({sampled("x"), sampled("y"), storage_out("value")})).in("x", a).in("y", a).out("value", b).over(b);
+  EXPECT_TRUE(validate(graph).empty());
+}
+
+TEST_F(ValidateTest, StaleHandle) {
+  const Tex b = image("b");
+  graph.compute("filter", filter).in("from", Tex{77}, used).out("value", b).over(b);
+  expect(Kind::StaleHandle, {"filter", "'from'", line_of(used)});
+  graph = Graph();
+  const Tex c = graph.image("c", desc);
+  graph.compute("filter", filter).in("from", Tex{}, used).out("value", c).over(c);
+  expect(Kind::StaleHandle, {"filter", "'from'", line_of(used)});
+  graph = Graph();
+  graph.readback("copy", Tex{3}, used);
+  expect(Kind::StaleHandle, {"copy", line_of(used)});
+  graph = Graph();
+  const Tex d = graph.image("d", desc);
+  graph.compute("write", source, "", used).out("value", d).over(Tex{9});
+  expect(Kind::StaleHandle, {"write", "over()", line_of(used)});
+}
+
+TEST_F(ValidateTest, BlockOfAnotherSize) {
+  const Tex a = image("a");
+  gpu::Slot longer = block;
+  longer.block_size = 12;
+  graph.compute("tinted", shaders.make({storage_out("value"), longer})).out("value", a).params(TintParams{}, used).over(a);
+  expect(Kind::BlockMismatch, {"tinted", "'tint'", "12", "8", line_of(used)});
+}
+
+// The same size, but the members stand in another order: values would arrive in the wrong variables.
+TEST_F(ValidateTest, BlockOfAnotherOrder) {
+  const Tex a = image("a");
+  gpu::Slot turned = block;
+  turned.members = {{"steps", 0}, {"strength", 4}};
+  graph.compute("tinted", shaders.make({storage_out("value"), turned})).out("value", a).params(TintParams{}, used).over(a);
+  expect(Kind::BlockMismatch, {"tinted", "'tint'", line_of(used)});
+}
+
+// One of each of five kinds in five passes, and the lines are the callers' own without being passed.
+TEST_F(ValidateTest, CollectsEveryFault) {
+  const Tex a = graph.image("a", desc), b = graph.image("b", desc), small = graph.image("small", {{8, 8}, r32});
+  graph.compute("one", source).out("value", a).out("extra", b).over(a);                  // SlotMissing
+  graph.compute("two", filter).out("value", a).over(a);                                  // SlotNotFed
+  graph.compute("three", shaders.make({storage_in("value")})).out("value", a).over(a);   // Direction
+  const Location at = Location::current();
+  graph.compute("four", source).out("value", small).over(a);                             // SizeMismatch
+  graph.compute("five", filter).in("from", Tex{500}).out("value", a).over(a);            // StaleHandle
+  const auto found = validate(graph);
+  std::vector<Kind> kinds;
+  for (const Diagnostic& d : found) kinds.push_back(d.kind);
+  EXPECT_EQ(kinds, (std::vector<Kind>{Kind::SlotMissing, Kind::SlotNotFed, Kind::Direction, Kind::SizeMismatch, Kind::StaleHandle}));
+  ASSERT_EQ(found.size(), 5u);
+  EXPECT_NE(found[3].text.find(fmt::format("graph_validate_test.cpp:{},", at.line() + 1)), std::string::npos) << found[3].text;
+  EXPECT_NE(found[3].text.find(fmt::format("graph_validate_test.cpp:{})", at.line() - 4)), std::string::npos) << found[3].text;
+}
+
+// Several faults of one pass are all there, too.
+TEST_F(ValidateTest, CollectsFaultsOfOnePass) {
+  const Tex a = image("a"), b = image("b");
+  graph.compute("bad", filter).in("from", a).in("no such", a).out("value", b);
+  EXPECT_EQ(validate(graph).size(), 4u);  // the missing slot, no threads, two reads of what nobody wrote
+}
+
+}  // namespace
+}  // namespace nf::graph
