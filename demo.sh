@@ -2,19 +2,21 @@
 # Installs what is missing, builds Nearfield and renders the bundled Cornell box, without a display.
 set -euo pipefail
 
-if [ $# -gt 0 ]; then
-  cat <<'HELP'
+for argument in "$@"; do
+  case $argument in
+    -h | --help)
+      cat <<'HELP'
 Usage: ./demo.sh
 Installs missing Debian packages (as root or with sudo), builds preset `release` and renders the bundled scene
 build/release/content/cornell.glb to build/release/demo/cornell.png. Needs no display. Prints the time of every pass.
 HELP
-  case $1 in
-    -h | --help) exit 0 ;;
-    *) printf '%s\n' "error: unknown argument '$1'" >&2 && exit 2 ;;
+      exit 0
+      ;;
+    *) printf '%s\n' "error: unknown argument '$argument'; see ./demo.sh --help" >&2 && exit 2 ;;
   esac
-fi
+done
 
-cd "$(dirname "${BASH_SOURCE[0]}")"
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
 . .ci/packages.sh
 
 install_packages "${build_packages[@]}"

@@ -23,7 +23,7 @@ HELP
   esac
 done
 
-cd "$(dirname "${BASH_SOURCE[0]}")"
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
 . .ci/packages.sh
 
 failed=()

@@ -56,7 +56,7 @@ install_packages() {
     as_root=(sudo)
   fi
   say "Installing ${#missing[@]} packages: ${missing[*]}"
-  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o Acquire::Retries=3)
+  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o Acquire::Retries=3 -o DPkg::Lock::Timeout=120)
   quietly "${apt[@]}" update || die "apt-get update failed: is there a network, and a mirror in /etc/apt?"
   quietly "${apt[@]}" install -y --no-install-recommends "${missing[@]}" ||
     die "apt-get install failed: this program is made for Debian 12 and its packages"

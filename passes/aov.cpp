@@ -59,7 +59,7 @@ AovPass create_aovs(gpu::Pipelines& pipelines) {
   return pass;
 }
 
-graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& o) {
+graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& o, const SceneTables& scene) {
   const gpu::Pipeline pipeline = pass.pipelines[size_t(&aov - table)];
   const graph::Tex source = source_of(aov, o);
   const gpu::ShaderInterface& interface = *pipeline.interface;
@@ -73,6 +73,7 @@ graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, con
                                                        {"albedo", o.gbuffer.albedo}, {"material", o.gbuffer.material}};
   for (const auto& [slot, tex] : inputs)
     if (interface.find(slot)) builder.in(slot, tex);
+  if (interface.find("reflectance")) builder.in("reflectance", graph.import("lighting.reflectance", scene.reflectance()));
   builder.out("value", image);
   return image;
 }

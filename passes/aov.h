@@ -33,6 +33,6 @@ struct AovPass {
 AovPass create_aovs(gpu::Pipelines& pipelines);
 
 // Adds the pass; the image holds the layer's floats. Invalid when this frame does not have what the layer shows.
-graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& outputs);
+graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& outputs, const SceneTables& scene);
 
 }  // namespace nf::passes

@@ -55,7 +55,7 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const F
   const graph::Tex shadow = shadowed ? add_shadow(graph, shadow_, settings.shadow, *tables_, shadow_draws_) : graph::Tex{};
   out.direct = add_direct(graph, lighting_, out.gbuffer, shadow, settings.shadow, *tables_);
   out.gi = settings.technique->add(graph, gi_, out.gbuffer, out.direct, settings.gi);
-  out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi);
+  out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_);
   return out;
 }
 
@@ -65,7 +65,7 @@ graph::Tex Renderer::add_picture(graph::Graph& graph, const FrameOutputs& output
 }
 
 graph::Tex Renderer::add_layer(graph::Graph& graph, const FrameOutputs& outputs, const Aov& aov, int64_t mean_frame) {
-  const graph::Tex value = add_aov(graph, aovs_, aov, outputs);
+  const graph::Tex value = add_aov(graph, aovs_, aov, outputs, *tables_);
   if (!value || mean_frame < 0) return value;
   return add_accumulate(graph, accumulate_, mean_names_[size_t(&aov - aovs().data())].c_str(), value, aov.format, uint32_t(mean_frame));
 }

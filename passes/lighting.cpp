@@ -31,10 +31,12 @@ Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer
   return out;
 }
 
-graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const Radiance& direct, const GiResult& gi) {
+graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const Radiance& direct, const GiResult& gi,
+                         const SceneTables& scene) {
   const graph::Tex lit = graph.image("composite.lit", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT});
   auto builder = graph.fullscreen("composite", pass.composite[gi.gi.valid()][gi.visibility.valid()], "Direct + ambient + indirect + emission");
-  builder.in("depth", g.depth).in("albedo", g.albedo).in("material", g.material).in("emissive", g.emissive)
+  builder.in("depth", g.depth).in("normal", g.normal).in("albedo", g.albedo).in("material", g.material).in("emissive", g.emissive)
+      .in("reflectance", graph.import("lighting.reflectance", scene.reflectance()))
       .in("direct_diffuse", direct.diffuse).in("direct_specular", direct.specular).out("lit", lit);
   if (gi.gi) builder.in("gi", gi.gi);
   if (gi.visibility) builder.in("visibility", gi.visibility);

@@ -28,7 +28,8 @@ LightingPass create_lighting(gpu::Pipelines& pipelines);
 Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, graph::Tex shadow_map, const ShadowParams& shadow,
                     const SceneTables& scene);
 // RGBA16F, linear radiance before tone mapping.
-graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const Radiance& direct, const GiResult& gi);
+graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const Radiance& direct, const GiResult& gi,
+                         const SceneTables& scene);
 // RGBA8, sRGB-encoded.
 graph::Tex add_tonemap(graph::Graph& graph, const LightingPass& pass, graph::Tex lit, const TonemapParams& params);
 

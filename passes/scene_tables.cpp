@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/log.h"
+#include "environment.h"
 #include "gpu/frame_ring.h"
 #include "mips.h"
 
@@ -69,7 +70,7 @@ SceneTables::SceneTables(gpu::Device& device, const scene::Scene& scene) : devic
 SceneTables::~SceneTables() {
   vkDeviceWaitIdle(device_.handle);
   for (gpu::Buffer& stream : streams_) destroy(device_, stream);
-  for (gpu::Buffer* buffer : {&indices_, &instances_, &materials_, &lights_}) destroy(device_, *buffer);
+  for (gpu::Buffer* buffer : {&indices_, &instances_, &materials_, &lights_, &reflectance_}) destroy(device_, *buffer);
   for (gpu::Image& image : arrays_) destroy(device_, image);
   for (const auto& [key, sampler] : samplers_) vkDestroySampler(device_.handle, sampler, nullptr);
   vkDestroyDescriptorPool(device_.handle, pool_, nullptr);
@@ -204,6 +205,7 @@ void SceneTables::upload_instances_and_lights() {
                       .cone_scale = scale, .cone_offset = spot ? -outer * scale : 1.0f});
   }
   instances_ = gpu::upload_table(device_, instances, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.instances");
+  reflectance_ = gpu::upload_table(device_, reflectance_table(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "lighting.reflectance");
   lights_ = gpu::upload_table(device_, lights, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.lights");
 }
 

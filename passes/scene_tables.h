@@ -53,6 +53,7 @@ class SceneTables {
   const gpu::Buffer& instances() const { return instances_; }
   const gpu::Buffer& materials() const { return materials_; }
   const gpu::Buffer& lights() const { return lights_; }
+  const gpu::Buffer& reflectance() const { return reflectance_; }  // environment.h
   // All streams in the order of the shaders' locations: position, normal, tangent, uv0, color.
   static std::span<const gpu::VertexStream> streams();
 
@@ -70,7 +71,7 @@ class SceneTables {
   gpu::Device& device_;
   const scene::Scene& scene_;
   std::array<gpu::Buffer, 5> streams_;
-  gpu::Buffer indices_, instances_, materials_, lights_;
+  gpu::Buffer indices_, instances_, materials_, lights_, reflectance_;
   std::vector<gpu::Image> arrays_;        // row 0: one white texel, for materials without a texture
   std::vector<ArraySlot> picture_slots_;  // by scene picture
   std::vector<std::pair<scene::Sampler, VkSampler>> samplers_;

@@ -5,6 +5,7 @@
 #include "common/pack.glsl"
 #include "common/surface.glsl"
 #include "common/view.glsl"
+#include "common/ambient.glsl"
 
 layout(location = 0) out vec4 value;
 
@@ -44,11 +45,13 @@ void main() {
 #if defined(AOV_INDIRECT) || defined(AOV_AMBIENT)
   if (FETCH(depth, pixel) > 0.0) {
     vec4 material_texel = texelFetch(material, pixel, 0);
-    vec3 reflectance = diffuse_reflectance(unpack_surface(texelFetch(albedo, pixel, 0), material_texel), material_texel.b);
+    Surface s = unpack_surface(texelFetch(albedo, pixel, 0), material_texel);
 #ifdef AOV_INDIRECT
-    value.rgb = reflectance * texelFetch(source, pixel, 0).rgb;  // gi
+    value.rgb = diffuse_reflectance(s, material_texel.b) * texelFetch(source, pixel, 0).rgb;  // gi
 #else
-    value.rgb = reflectance * frame.environment * texelFetch(source, pixel, 0).x;  // visibility
+    vec3 to_eye = -normalize(view_ray(vec2(pixel) + 0.5, frame.ray_scale, frame.ray_offset));
+    float n_v = clamp(dot(unpack_normal(FETCH(normal, pixel)), to_eye), 0.0, 1.0);
+    value.rgb = ambient_out(s, material_texel.b, n_v, texelFetch(source, pixel, 0).x);  // visibility
 #endif
   }
 #endif

@@ -2,9 +2,13 @@
 #version 460
 #include "common/fetch.glsl"
 #include "common/frame.glsl"
+#include "common/pack.glsl"
 #include "common/surface.glsl"
+#include "common/view.glsl"
+#include "common/ambient.glsl"
 
 FETCH_FLOAT_IMAGE(depth);
+FETCH_UINT_IMAGE(normal);
 uniform texture2D albedo;
 uniform texture2D material;
 uniform texture2D emissive;
@@ -25,13 +29,15 @@ void main() {
   if (FETCH(depth, pixel) <= 0.0) return;
   vec4 material_texel = texelFetch(material, pixel, 0);
   Surface s = unpack_surface(texelFetch(albedo, pixel, 0), material_texel);
-  vec3 gathered = frame.environment;  // irradiance / pi of a constant environment, unoccluded
+  float open = 1.0;
 #ifdef HAS_VISIBILITY
-  gathered *= texelFetch(visibility, pixel, 0).x;
+  open = texelFetch(visibility, pixel, 0).x;
 #endif
-#ifdef HAS_GI
-  gathered += texelFetch(gi, pixel, 0).rgb;
-#endif
+  vec3 to_eye = -normalize(view_ray(vec2(pixel) + 0.5, frame.ray_scale, frame.ray_offset));
+  float n_v = clamp(dot(unpack_normal(FETCH(normal, pixel)), to_eye), 0.0, 1.0);
   lit.rgb = texelFetch(direct_diffuse, pixel, 0).rgb + texelFetch(direct_specular, pixel, 0).rgb + texelFetch(emissive, pixel, 0).rgb +
-            diffuse_reflectance(s, material_texel.b) * gathered;
+            ambient_out(s, material_texel.b, n_v, open);
+#ifdef HAS_GI
+  lit.rgb += diffuse_reflectance(s, material_texel.b) * texelFetch(gi, pixel, 0).rgb;
+#endif
 }

@@ -119,7 +119,7 @@ class GraphDumpTest : public GraphValueTest {
     plan = compile(graph);
   }
   const gpu::Pipeline mix =
-      shaders.make({sampled("from"), sampled("before"), storage_out("value"),
+      shaders.make({sampled("from"), storage_in("before"), storage_out("value"),
                     {.name = "lights", .kind = gpu::SlotKind::StorageBuffer, .readonly = true}});
   const gpu::Buffer buffer{.size = 160};
   Graph graph;

@@ -1,0 +1,5 @@
+# The binary as a process: exit codes, streams, files.
+foreach(name cli_test cli_error_test)
+  nf_test(${name} nf_image LABELS gpu)
+  add_dependencies(${name} nearfield nearfield_scenes)
+endforeach()

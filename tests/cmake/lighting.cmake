@@ -1,0 +1,1 @@
+nf_test(lighting_test nf_passes LABELS cpu)

@@ -1,0 +1,179 @@
+// The graph on the device with small shaders of its own: dispatch and full-screen chains, histories, culling of what nobody
+// reads, replans, and the sector masks of the techniques against plain loops.
+#include <fstream>
+
+#include "gpu_fixture.h"
+
+namespace nf::test {
+namespace {
+
+#define NF_ADD_FIELDS(F) F(Float, amount) F(Uint, valid)
+NF_DECLARE_BLOCK(AddBlock, "add", NF_ADD_FIELDS)
+
+// A folder with the test's shaders, and the engine's common ones beside them.
+class GraphOnDevice : public GpuTest {
+ protected:
+  void SetUp() override {
+    const std::filesystem::path folder = temporary("shaders");
+    std::filesystem::create_directories(folder);
+    std::filesystem::create_directory_symlink(std::filesystem::path(NF_SOURCE_DIR) / "shaders" / "common", folder / "common");
+    write(folder / "fill.comp", R"(#version 460
+layout(local_size_x = 8, local_size_y = 8) in;
+uniform writeonly image2D target;
+void main() { imageStore(target, ivec2(gl_GlobalInvocationID.xy), vec4(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y, 7.0, 1.0)); }
+)");
+    write(folder / "add.comp", R"(#version 460
+#include "params/add"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f) uniform readonly image2D source;
+uniform writeonly image2D target;
+void main() {
+  ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+  imageStore(target, p, imageLoad(source, p) + add.amount);
+}
+)");
+    write(folder / "sampled.frag", R"(#version 460
+uniform texture2D source;
+layout(location = 0) out vec4 color;
+void main() { color = texelFetch(source, ivec2(gl_FragCoord.xy), 0) * 2.0; }
+)");
+    write(folder / "masks.comp", R"(#version 460
+#include "common/sectors.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(r32ui) uniform writeonly uimage2D target;
+void main() {
+  ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+  if (p.x <= 32 && p.y <= 32) imageStore(target, p, uvec4(sector_mask(p.x, p.y)));
+}
+)");
+    write(folder / "broken.comp", "#version 460\n#include \"common/sectors.glsl\"\nlayout(local_size_x = 8) in;\nvoid main() {\n  undeclared = 1;\n}\n");
+    gpu::ShaderCompiler compiler(folder, {});
+    compiler.add_table(AddBlock::table());
+    pipelines_ = std::make_unique<gpu::Pipelines>(device(), std::move(compiler), std::filesystem::path());
+    executor_ = std::make_unique<graph::Executor>(device(), *pipelines_);
+  }
+  void TearDown() override {
+    executor_.reset();
+    pipelines_.reset();
+    GpuTest::TearDown();
+  }
+  static void write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path) << text; }
+
+  std::vector<float> run(const graph::Graph& graph) {
+    executor_->run(graph);
+    uint32_t channels = 0;
+    return graph::to_floats(executor_->take_readbacks().at(0), channels);
+  }
+
+  std::unique_ptr<gpu::Pipelines> pipelines_;
+  std::unique_ptr<graph::Executor> executor_;
+};
+
+constexpr graph::ImageDesc desc{{20, 12}, VK_FORMAT_R32G32B32A32_SFLOAT};
+
+TEST_F(GraphOnDevice, ChainsOfDispatchesAndFullscreenPasses) {
+  for (int frame = 0; frame < 4; ++frame) {
+    graph::Graph graph(executor_->histories());
+    const graph::Tex a = graph.image("a", desc), b = graph.image("b", desc), c = graph.image("c", desc), d = graph.image("d", desc);
+    graph.compute("fill", pipelines_->compute("fill.comp")).out("target", a).over(a);
+    graph.compute("add", pipelines_->compute("add.comp")).in("source", a).out("target", b).params(AddBlock{.amount = 1}).over(b);
+    graph.fullscreen("double", pipelines_->fullscreen("sampled.frag")).in("source", b).out("color", c);
+    graph.compute("add again", pipelines_->compute("add.comp")).in("source", c).out("target", d).params(AddBlock{.amount = float(frame)}).over(d);
+    graph.readback("d", d);
+    const std::vector<float> out = run(graph);
+    for (uint32_t y = 0; y < 12; ++y)
+      for (uint32_t x = 0; x < 20; ++x) ASSERT_EQ(out[(y * 20 + x) * 4], float(2 * (x + 1)) + float(frame)) << x << "," << y << " frame " << frame;
+  }
+  EXPECT_EQ(executor_->replans(), 1u) << "parameters never replan";
+}
+
+TEST_F(GraphOnDevice, WhatNobodyReadsIsNotRun) {
+  graph::Graph graph;
+  const graph::Tex a = graph.image("a", desc), unused = graph.image("unused", desc);
+  graph.compute("fill", pipelines_->compute("fill.comp")).out("target", a).over(a);
+  graph.compute("nobody", pipelines_->compute("add.comp")).in("source", a).out("target", unused).params(AddBlock{}).over(unused);
+  graph.readback("a", a);
+  run(graph);
+  const graph::FrameResult result = executor_->finish();
+  ASSERT_EQ(result.passes.size(), 2u);
+  EXPECT_STREQ(result.passes[0].name, "fill");
+  EXPECT_GT(result.passes[0].ms, 0);
+}
+
+TEST_F(GraphOnDevice, HistoriesCountFramesAndStartAnewWhenInvalidated) {
+  const auto frame = [&] {
+    graph::Graph graph(executor_->histories());
+    const graph::History count = graph.history("count", desc);
+    graph.compute("count", pipelines_->compute("add.comp")).in("source", count.prev).out("target", count.next)
+        .params(AddBlock{.amount = 1, .valid = count.valid}).over(count.next);
+    graph.readback("count", count.next);
+    return std::pair(run(graph)[5], count.valid);
+  };
+  for (int i = 0; i < 5; ++i) {
+    const auto [value, valid] = frame();
+    EXPECT_EQ(value, float(i + 1)) << "an unwritten history reads as zero";
+    EXPECT_EQ(valid, i > 0);
+  }
+  // Another graph in between, without the history: it is gone, and says so.
+  graph::Graph other;
+  const graph::Tex a = other.image("a", desc);
+  other.compute("fill", pipelines_->compute("fill.comp")).out("target", a).over(a);
+  other.readback("a", a);
+  run(other);
+  EXPECT_EQ(frame(), std::pair(1.0f, false));
+  EXPECT_EQ(frame(), std::pair(2.0f, true));
+  executor_->invalidate_histories();
+  EXPECT_FALSE(frame().second);
+}
+
+TEST_F(GraphOnDevice, AWrongGraphIsRefusedWithAllItsFaults) {
+  graph::Graph graph;
+  const graph::Tex a = graph.image("a", desc), b = graph.image("b", {{20, 12}, VK_FORMAT_R32_SFLOAT});
+  graph.compute("add", pipelines_->compute("add.comp")).in("sauce", a).out("target", b).over(b);
+  graph.readback("b", b);
+  try {
+    executor_->run(graph);
+    FAIL() << "not refused";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.exit(), Exit::Internal);
+    for (const char* part : {"sauce", "source", "'add'", "gpu_graph_test.cpp:"}) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << part << " in " << e.what();
+  }
+}
+
+// techniques.md 3.8: every pair, on the device, against a plain loop.
+TEST_F(GraphOnDevice, SectorMasks) {
+  graph::Graph graph;
+  const graph::Tex masks = graph.image("masks", {{33, 33}, VK_FORMAT_R32_UINT});
+  graph.compute("masks", pipelines_->compute("masks.comp")).out("target", masks).over(masks);
+  graph.readback("masks", masks);
+  executor_->run(graph);
+  const graph::Readback out = executor_->take_readbacks().at(0);
+  for (int b = 0; b <= 32; ++b)
+    for (int a = 0; a <= 32; ++a) {
+      uint32_t expected = 0, got;
+      for (int bit = 0; bit < 32; ++bit)
+        if (bit >= a && bit < b) expected |= 1u << bit;
+      std::memcpy(&got, out.texels.data() + size_t(b * 33 + a) * 4, 4);
+      ASSERT_EQ(got, expected) << a << ".." << b;
+    }
+}
+
+TEST_F(GraphOnDevice, ShaderErrorsNameFileAndLine) {
+  try {
+    pipelines_->compute("broken.comp");
+    FAIL() << "compiled";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.exit(), Exit::Shader);
+    EXPECT_NE(std::string(e.what()).find("broken.comp:5:"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("undeclared"), std::string::npos);
+  }
+  EXPECT_THROW(pipelines_->compute("missing.comp"), Error);
+}
+
+TEST_F(GraphOnDevice, TheSameFilesGiveTheSamePipeline) {
+  EXPECT_EQ(pipelines_->compute("fill.comp").id, pipelines_->compute("fill.comp").id);
+  EXPECT_NE(pipelines_->compute("fill.comp").id, pipelines_->compute("fill.comp", {{"X", "1"}}).id);
+}
+
+}  // namespace
+}  // namespace nf::test

@@ -1,0 +1,93 @@
+// Shaders: every parameter block in SPIR-V against its table, every shader of the engine compiles for both ways to fetch, the
+// cache gives the same words.
+#include <fstream>
+
+#include "gpu_fixture.h"
+
+namespace nf::test {
+namespace {
+
+std::vector<const ParamTable*> all_tables() {
+  passes::FrameSettings settings;
+  std::vector<const ParamTable*> tables = {&passes::FrameBlock::table(), &passes::AccumulateBlock::table()};
+  for (const ParamBlock& block : settings.blocks()) tables.push_back(block.table);
+  return tables;
+}
+
+// One shader a table, which uses every member, so that none is optimised away.
+TEST(Shaders, ParameterBlocksHaveTheOffsetsOfTheirTables) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("nearfield-offsets-{}", getpid());
+  std::filesystem::create_directories(folder);
+  for (const ParamTable* table : all_tables()) {
+    std::string uses;
+    for (const Param& p : table->params) {
+      const bool matrix = p.type == ParamType::Mat4;
+      uses += fmt::format("  sum += float({}.{}{});\n", table->prefix, p.name, matrix ? "[0][0]" : p.type == ParamType::Vec2 || p.type == ParamType::Vec3 || p.type == ParamType::Vec4 || p.type == ParamType::IVec2 || p.type == ParamType::UVec2 ? ".x" : "");
+    }
+    std::ofstream(folder / "block.comp") << "#version 460\n#include \"params/" << table->prefix << "\"\nlayout(local_size_x = 8) in;\nuniform writeonly image2D target;\n"
+                                         << "void main() {\n  float sum = 0.0;\n" << uses << "  imageStore(target, ivec2(0), vec4(sum));\n}\n";
+    gpu::ShaderCompiler compiler(folder, {});
+    compiler.add_table(*table);
+    const gpu::CompiledProgram program = compiler.compile({"block.comp"}, {});
+    const gpu::Slot* slot = program.interface.find(table->prefix);
+    ASSERT_TRUE(slot) << table->prefix;
+    EXPECT_EQ(slot->block_size, table->size) << table->prefix;
+    ASSERT_EQ(slot->members.size(), table->params.size()) << table->prefix;
+    for (size_t i = 0; i < table->params.size(); ++i) {
+      EXPECT_EQ(slot->members[i].first, table->params[i].name);
+      EXPECT_EQ(slot->members[i].second, table->params[i].offset) << table->prefix << "." << table->params[i].name;
+    }
+  }
+  std::filesystem::remove_all(folder);
+}
+
+gpu::ShaderCompiler engine_compiler(bool storage, const std::filesystem::path& cache) {
+  gpu::ShaderCompiler compiler(std::filesystem::path(NF_SOURCE_DIR) / "shaders", cache);
+  for (const ParamTable* table : all_tables()) compiler.add_table(*table);
+  if (storage) compiler.add_define("NF_FETCH_STORAGE", "1");
+  return compiler;
+}
+
+TEST(Shaders, BothWaysToFetchCompile) {
+  for (const bool storage : {true, false}) {
+    const gpu::ShaderCompiler compiler = engine_compiler(storage, {});
+    for (const char* file : {"gi/vbgi.comp"}) {
+      const gpu::CompiledProgram program = compiler.compile({file}, {});
+      ASSERT_TRUE(program.interface.find("depth"));
+      EXPECT_EQ(program.interface.find("depth")->kind, storage ? gpu::SlotKind::StorageImage : gpu::SlotKind::SampledImage);
+    }
+    for (const char* file : {"direct.frag", "composite.frag"}) EXPECT_FALSE(compiler.compile({"common/fullscreen.vert", file}, {}).interface.slots.empty());
+  }
+}
+
+TEST(Shaders, TheCacheGivesTheSameWordsAndIgnoresDamage) {
+  const std::filesystem::path cache = std::filesystem::temp_directory_path() / fmt::format("nearfield-cache-{}", getpid());
+  std::filesystem::create_directories(cache);
+  const gpu::ShaderCompiler compiler = engine_compiler(true, cache);
+  const gpu::CompiledProgram first = compiler.compile({"gi/vbgi.comp"}, {}), second = compiler.compile({"gi/vbgi.comp"}, {});
+  EXPECT_FALSE(first.from_cache);
+  EXPECT_TRUE(second.from_cache);
+  EXPECT_EQ(first.stages[0].spirv, second.stages[0].spirv);
+  EXPECT_FALSE(compiler.compile({"gi/vbgi.comp"}, {{"OTHER", "1"}}).from_cache) << "defines are part of the key";
+  EXPECT_GE(first.dependencies.size(), 5u);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(cache))
+    if (entry.is_regular_file()) std::filesystem::resize_file(entry.path(), 100);
+  const gpu::CompiledProgram third = compiler.compile({"gi/vbgi.comp"}, {});
+  EXPECT_FALSE(third.from_cache);
+  EXPECT_EQ(third.stages[0].spirv, first.stages[0].spirv);
+  std::filesystem::remove_all(cache);
+}
+
+TEST(Shaders, StagesShareBindingsByName) {
+  const gpu::ShaderCompiler compiler = engine_compiler(true, {});
+  const gpu::CompiledProgram program = compiler.compile({"gbuffer.vert", "gbuffer.frag"}, {});
+  std::vector<uint32_t> bindings;
+  for (const gpu::Slot& slot : program.interface.slots) bindings.push_back(slot.binding);
+  std::sort(bindings.begin(), bindings.end());
+  EXPECT_EQ(std::adjacent_find(bindings.begin(), bindings.end()), bindings.end()) << "two slots share a binding";
+  EXPECT_TRUE(program.interface.find("instances"));
+  EXPECT_TRUE(program.interface.find("materials"));
+}
+
+}  // namespace
+}  // namespace nf::test
