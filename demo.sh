@@ -28,6 +28,6 @@ say "Rendering the Cornell box: 64 frames, averaged."
 mkdir -p build/release/demo
 picture=build/release/demo/cornell.png
 build/release/nearfield render build/release/content/cornell.glb -o "$picture" --size 640x360 --frames 64 --accumulate \
-  --set gi.radius=4 --set gi.slices=4 --set gi.steps=16 --set tonemap.exposure_ev=1
+  --set gi.slices=4 --set tonemap.exposure_ev=1
 say "The picture is $PWD/$picture"
 say "See README.md for more to try; ./test.sh runs the tests."

@@ -39,12 +39,19 @@ part() {
 
 check_format() {
   say "Checking the format of the sources."
-  find engine passes editor tests content \( -name '*.h' -o -name '*.cpp' \) -print0 |
-    xargs -0 clang-format --dry-run -Werror
+  local file status=0
+  while IFS= read -r -d '' file; do
+    if ! clang-format --dry-run -Werror "$file" 2>/dev/null; then
+      printf '%s\n' "not formatted: $file" >&2
+      status=1
+    fi
+  done < <(find engine passes editor tests content \( -name '*.h' -o -name '*.cpp' \) -print0 | sort -z)
+  if [ "$status" -ne 0 ]; then say "clang-format -i FILE mends them."; fi
+  return "$status"
 }
 
 check_clang() {
-  configure clang -DCMAKE_C_COMPILER=clang-16 -DCMAKE_CXX_COMPILER=clang++-16 || return
+  configure clang || return
   say "Building with Clang."
   cmake --build build/clang
 }
@@ -52,13 +59,13 @@ check_clang() {
 # Only the executables whose tests are labelled `cpu`: what a driver allocates is not ours to check.
 check_sanitizers() {
   configure asan || return
-  local file targets=()
+  local file targets=(nearfield_scenes)
   for file in build/asan/tests/*_include.cmake; do
     grep -q 'TEST_PROPERTIES.*[[;]cpu[];]' "$file" || continue
     file=${file##*/}
     targets+=("${file%%[*}")
   done
-  say "Building ${#targets[@]} test programs with sanitizers."
+  say "Building the tests that need no GPU with sanitizers."
   cmake --build build/asan --target "${targets[@]}" || return
   say "Running them."
   UBSAN_OPTIONS=print_stacktrace=1 ctest --test-dir build/asan --output-on-failure -L '^cpu$'

@@ -10,8 +10,8 @@ build_packages=(
   libopenexr-dev libpng-dev libstb-dev libtinygltf-dev
   libgtest-dev
 )
-# Only `test.sh --all` needs these. Not Debian's default clang, 14, which has no std::source_location.
-check_packages=(clang-16 clang-format)
+# Only `test.sh --all` needs these.
+check_packages=(clang clang-format)
 
 say() { printf '%s\n' "== $*"; }
 die() {

@@ -31,7 +31,9 @@ int run(int argc, char** argv) {
     if (command.app->parsed()) return command.run();
   // The window is a later part of this project; say so instead of doing nothing.
   log::init(log::Level::Normal);
-  fail(Exit::NoDevice, "this version has no editor window yet: use a command, e.g. `nearfield render SCENE -o picture.png`, or see `nearfield --help`");
+  fail(Exit::NoDevice,
+       "this version has no editor window yet: use a command, e.g. `nearfield render SCENE -o picture.png`, or see "
+       "`nearfield --help`");
 }
 
 }  // namespace

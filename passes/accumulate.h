@@ -13,8 +13,9 @@ struct AccumulatePass {
 };
 AccumulatePass create_accumulate(gpu::Pipelines& pipelines);
 
-// `frame` counts from 0; the mean starts anew at 0 or when the history is not valid. `format` is the mean's (32-bit float).
-// `name` must outlive the graph.
-graph::Tex add_accumulate(graph::Graph& graph, const AccumulatePass& pass, const char* name, graph::Tex value, VkFormat format, uint32_t frame);
+// `frame` counts from 0; the mean starts anew at 0 or when the history is not valid. `format` is the mean's (32-bit
+// float). `name` must outlive the graph.
+graph::Tex add_accumulate(graph::Graph& graph, const AccumulatePass& pass, const char* name, graph::Tex value,
+                          VkFormat format, uint32_t frame);
 
 }  // namespace nf::passes

@@ -42,7 +42,9 @@ graph::Tex source_of(const Aov& aov, const FrameOutputs& o) {
 
 }  // namespace
 
-std::span<const Aov> aovs() { return table; }
+std::span<const Aov> aovs() {
+  return table;
+}
 
 const Aov& find_aov(std::string_view name) {
   std::string names;
@@ -59,7 +61,8 @@ AovPass create_aovs(gpu::Pipelines& pipelines) {
   return pass;
 }
 
-graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& o, const SceneTables& scene) {
+graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& o,
+                   const SceneTables& scene) {
   const gpu::Pipeline pipeline = pass.pipelines[size_t(&aov - table)];
   const graph::Tex source = source_of(aov, o);
   const gpu::ShaderInterface& interface = *pipeline.interface;
@@ -68,12 +71,17 @@ graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, con
   const graph::Tex image = graph.image(resource, {o.gbuffer.size, aov.format});
   auto builder = graph.fullscreen(resource, pipeline, aov.help);
   // The shader's variant says what it reads.
-  const std::pair<const char*, graph::Tex> inputs[] = {{"source", source}, {"source2", o.direct.specular}, {"depth", o.gbuffer.depth},
-                                                       {"normal", o.gbuffer.normal}, {"radiance", o.direct.radiance},
-                                                       {"albedo", o.gbuffer.albedo}, {"material", o.gbuffer.material}};
+  const std::pair<const char*, graph::Tex> inputs[] = {{"source", source},
+                                                       {"source2", o.direct.specular},
+                                                       {"depth", o.gbuffer.depth},
+                                                       {"normal", o.gbuffer.normal},
+                                                       {"radiance", o.direct.radiance},
+                                                       {"albedo", o.gbuffer.albedo},
+                                                       {"material", o.gbuffer.material}};
   for (const auto& [slot, tex] : inputs)
     if (interface.find(slot)) builder.in(slot, tex);
-  if (interface.find("reflectance")) builder.in("reflectance", graph.import("lighting.reflectance", scene.reflectance()));
+  if (interface.find("reflectance"))
+    builder.in("reflectance", graph.import("lighting.reflectance", scene.reflectance()));
   builder.out("value", image);
   return image;
 }

@@ -1,4 +1,5 @@
-// Output layers (AOVs): a table of what a frame can write out, each made by one full-screen pass that decodes it to floats.
+// Output layers (AOVs): a table of what a frame can write out, each made by one full-screen pass that decodes it to
+// floats.
 #pragma once
 
 #include <span>
@@ -21,7 +22,7 @@ struct Aov {
   const char* channels;  // of the EXR layer
   const char* help;
   VkFormat format;
-  const char* define;    // of aov.frag
+  const char* define;  // of aov.frag
 };
 std::span<const Aov> aovs();
 // Throws nf::Error (Exit::Input) naming the layers there are.
@@ -33,6 +34,7 @@ struct AovPass {
 AovPass create_aovs(gpu::Pipelines& pipelines);
 
 // Adds the pass; the image holds the layer's floats. Invalid when this frame does not have what the layer shows.
-graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& outputs, const SceneTables& scene);
+graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& outputs,
+                   const SceneTables& scene);
 
 }  // namespace nf::passes

@@ -23,7 +23,8 @@ std::vector<glm::vec2> reflectance_table() {
         const float v_h = glm::dot(v, h);
         const float n_l = 2 * v_h * h.z - v.z;
         if (n_l <= 0 || v_h <= 0) continue;
-        const float smith = 0.5f / (n_v * std::sqrt(n_l * n_l * (1 - a2) + a2) + n_l * std::sqrt(n_v * n_v * (1 - a2) + a2));
+        const float smith =
+            0.5f / (n_v * std::sqrt(n_l * n_l * (1 - a2) + a2) + n_l * std::sqrt(n_v * n_v * (1 - a2) + a2));
         const float weight = 4 * smith * n_l * v_h / h.z;  // f n.l / pdf, without Fresnel
         const float fresnel = std::pow(1 - v_h, 5.0f);
         sum += weight * glm::vec2(1 - fresnel, fresnel);

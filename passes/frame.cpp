@@ -6,14 +6,17 @@
 namespace nf::passes {
 
 std::vector<ParamBlock> FrameSettings::blocks() {
-  std::vector<ParamBlock> all = {{&GiParams::table(), &gi.shared}, {&MaterialParams::table(), &material},
-                                 {&ShadowParams::table(), &shadow}, {&TonemapParams::table(), &tonemap}};
+  std::vector<ParamBlock> all = {{&GiParams::table(), &gi.shared},
+                                 {&MaterialParams::table(), &material},
+                                 {&ShadowParams::table(), &shadow},
+                                 {&TonemapParams::table(), &tonemap}};
   for (const Technique& t : techniques())
     if (const ParamBlock block = t.params(gi); block.table) all.push_back(block);
   return all;
 }
 
-gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder, const std::filesystem::path& cache) {
+gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,
+                                         const std::filesystem::path& cache) {
   gpu::ShaderCompiler compiler(folder, cache);
   FrameSettings settings;
   for (const ParamBlock& block : settings.blocks()) compiler.add_table(*block.table);
@@ -23,9 +26,10 @@ gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::f
   return compiler;
 }
 
-Renderer::Renderer(gpu::Device& device, const scene::Scene& scene) : device_(device), scene_(scene) {
+Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, bool alias) : device_(device), scene_(scene) {
   const std::filesystem::path cache = gpu::cache_folder();
-  pipelines_ = std::make_unique<gpu::Pipelines>(device, make_shader_compiler(device, gpu::find_shader_folder(), cache), cache);
+  pipelines_ =
+      std::make_unique<gpu::Pipelines>(device, make_shader_compiler(device, gpu::find_shader_folder(), cache), cache);
   tables_ = std::make_unique<SceneTables>(device, scene);
   gbuffer_ = create_gbuffer(*pipelines_, *tables_);
   shadow_ = create_shadow(*pipelines_, *tables_);
@@ -34,7 +38,7 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene) : device_(dev
   aovs_ = create_aovs(*pipelines_);
   accumulate_ = create_accumulate(*pipelines_);
   for (const Aov& aov : aovs()) mean_names_.push_back(fmt::format("{}.mean", *aov.name ? aov.name : "final"));
-  executor_ = std::make_unique<graph::Executor>(device, *pipelines_);
+  executor_ = std::make_unique<graph::Executor>(device, *pipelines_, alias);
 }
 
 Renderer::~Renderer() {
@@ -48,26 +52,32 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const F
   graph.share(frame);
   tables_->build_draws(camera_draws_, scene::frustum_from_clip(frame.jittered_clip_from_world), view.camera.position);
   const bool shadowed = settings.shadow.enabled && !scene_.directional.empty();
-  if (shadowed) tables_->build_draws(shadow_draws_, scene::frustum_from_clip(frame.shadow_from_world), view.camera.position);
+  if (shadowed)
+    tables_->build_draws(shadow_draws_, scene::frustum_from_clip(frame.shadow_from_world), view.camera.position);
 
   FrameOutputs out;
   out.gbuffer = add_gbuffer(graph, gbuffer_, {view.size.x, view.size.y}, *tables_, camera_draws_);
-  const graph::Tex shadow = shadowed ? add_shadow(graph, shadow_, settings.shadow, *tables_, shadow_draws_) : graph::Tex{};
+  const graph::Tex shadow =
+      shadowed ? add_shadow(graph, shadow_, settings.shadow, *tables_, shadow_draws_) : graph::Tex{};
   out.direct = add_direct(graph, lighting_, out.gbuffer, shadow, settings.shadow, *tables_);
   out.gi = settings.technique->add(graph, gi_, out.gbuffer, out.direct, settings.gi);
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_);
   return out;
 }
 
-graph::Tex Renderer::add_picture(graph::Graph& graph, const FrameOutputs& outputs, const FrameSettings& settings, int64_t mean_frame) {
-  const graph::Tex lit = mean_frame < 0 ? outputs.lit : add_accumulate(graph, accumulate_, "picture.mean", outputs.lit, VK_FORMAT_R32G32B32A32_SFLOAT, uint32_t(mean_frame));
+graph::Tex Renderer::add_picture(graph::Graph& graph, const FrameOutputs& outputs, const FrameSettings& settings,
+                                 int64_t mean_frame) {
+  const graph::Tex lit = mean_frame < 0 ? outputs.lit
+                                        : add_accumulate(graph, accumulate_, "picture.mean", outputs.lit,
+                                                         VK_FORMAT_R32G32B32A32_SFLOAT, uint32_t(mean_frame));
   return add_tonemap(graph, lighting_, lit, settings.tonemap);
 }
 
 graph::Tex Renderer::add_layer(graph::Graph& graph, const FrameOutputs& outputs, const Aov& aov, int64_t mean_frame) {
   const graph::Tex value = add_aov(graph, aovs_, aov, outputs, *tables_);
   if (!value || mean_frame < 0) return value;
-  return add_accumulate(graph, accumulate_, mean_names_[size_t(&aov - aovs().data())].c_str(), value, aov.format, uint32_t(mean_frame));
+  return add_accumulate(graph, accumulate_, mean_names_[size_t(&aov - aovs().data())].c_str(), value, aov.format,
+                        uint32_t(mean_frame));
 }
 
 }  // namespace nf::passes

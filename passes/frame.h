@@ -27,14 +27,16 @@ struct FrameSettings {
 // Device, pipelines, scene tables and executor of one view.
 class Renderer {
  public:
-  Renderer(gpu::Device& device, const scene::Scene& scene);
+  // `alias` false: transients do not share memory.
+  Renderer(gpu::Device& device, const scene::Scene& scene, bool alias = true);
   ~Renderer();
 
   // Adds all passes up to `lit`. The graph refers to this renderer's tables and must run before the next build().
   FrameOutputs build(graph::Graph& graph, const FrameView& view, const FrameSettings& settings);
 
   // Tone-maps `lit`, or its mean over frames when `mean_frame` >= 0 (which is then this frame's number): RGBA8.
-  graph::Tex add_picture(graph::Graph& graph, const FrameOutputs& outputs, const FrameSettings& settings, int64_t mean_frame = -1);
+  graph::Tex add_picture(graph::Graph& graph, const FrameOutputs& outputs, const FrameSettings& settings,
+                         int64_t mean_frame = -1);
   // The floats of a layer, or their mean. Invalid when this frame does not have what the layer shows.
   graph::Tex add_layer(graph::Graph& graph, const FrameOutputs& outputs, const Aov& aov, int64_t mean_frame = -1);
 
@@ -55,11 +57,12 @@ class Renderer {
   GiPipelines gi_;
   AovPass aovs_;
   AccumulatePass accumulate_;
-  std::vector<std::string> mean_names_;  // by row of aovs()
+  std::vector<std::string> mean_names_;        // by row of aovs()
   std::unique_ptr<graph::Executor> executor_;  // last: goes first
 };
 
 // Compiles shaders with every table of the passes and the device's facts; also what tests use for shaders of their own.
-gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder, const std::filesystem::path& cache);
+gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,
+                                         const std::filesystem::path& cache);
 
 }  // namespace nf::passes

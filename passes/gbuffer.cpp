@@ -4,13 +4,17 @@
 namespace nf::passes {
 
 GBufferPass create_gbuffer(gpu::Pipelines& pipelines, const SceneTables& scene) {
-  const gpu::RasterState state{.streams = {SceneTables::streams().begin(), SceneTables::streams().end()}, .depth_test = true, .depth_write = true,
+  const gpu::RasterState state{.streams = {SceneTables::streams().begin(), SceneTables::streams().end()},
+                               .depth_test = true,
+                               .depth_write = true,
                                .set1 = scene.material_set_layout()};
   return {pipelines.raster("gbuffer.vert", "gbuffer.frag", {}, state),
-          pipelines.raster("gbuffer.vert", "gbuffer.frag", {{"MASKED", "1"}}, state), pipelines.fullscreen("depth.frag")};
+          pipelines.raster("gbuffer.vert", "gbuffer.frag", {{"MASKED", "1"}}, state),
+          pipelines.fullscreen("depth.frag")};
 }
 
-GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size size, const SceneTables& scene, const DrawList& draws) {
+GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size size, const SceneTables& scene,
+                    const DrawList& draws) {
   GBuffer g{.depth = graph.image("gbuffer.depth", {size, VK_FORMAT_R32_SFLOAT}),
             .normal = graph.image("gbuffer.normal", {size, VK_FORMAT_R32_UINT}),
             .albedo = graph.image("gbuffer.albedo", {size, VK_FORMAT_A2B10G10R10_UNORM_PACK32}),
@@ -24,18 +28,29 @@ GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size si
 
   const std::array<float, 4> black{};
   graph.raster("gbuffer.opaque", pass.opaque, "Base colour, material, normal, emission, velocity of opaque surfaces")
-      .in("instances", instances).in("materials", materials)
-      .out("albedo", g.albedo, black).out("material", g.material, black).out("normal", g.normal, black)
-      .out("emissive", g.emissive, black).out("velocity", g.velocity, black).depth(z, 0.0f)
+      .in("instances", instances)
+      .in("materials", materials)
+      .out("albedo", g.albedo, black)
+      .out("material", g.material, black)
+      .out("normal", g.normal, black)
+      .out("emissive", g.emissive, black)
+      .out("velocity", g.velocity, black)
+      .depth(z, 0.0f)
       .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Opaque, true, r); });
   if (draws.has(DrawClass::Masked))
     graph.raster("gbuffer.masked", pass.masked, "The same for surfaces cut out by alpha")
-        .in("instances", instances).in("materials", materials)
-        .out("albedo", g.albedo).out("material", g.material).out("normal", g.normal)
-        .out("emissive", g.emissive).out("velocity", g.velocity).depth(z)
+        .in("instances", instances)
+        .in("materials", materials)
+        .out("albedo", g.albedo)
+        .out("material", g.material)
+        .out("normal", g.normal)
+        .out("emissive", g.emissive)
+        .out("velocity", g.velocity)
+        .depth(z)
         .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Masked, true, r); });
   graph.fullscreen("gbuffer.linear_depth", pass.linear_depth, "Depth in metres, for everything that reads neighbours")
-      .in("depth", z).out("linear_depth", g.depth);
+      .in("depth", z)
+      .out("linear_depth", g.depth);
   return g;
 }
 

@@ -7,8 +7,9 @@
 
 namespace nf::passes {
 
-// depth: R32F, metres along the view axis, 0 = background. normal: R32UI, view space, octahedral 2x16. albedo: A2B10G10R10,
-// gamma 2. material: RGBA8, (metallic, roughness, dielectric F0). emissive: RGBA16F radiance. velocity: RG16F, pixels.
+// depth: R32F, metres along the view axis, 0 = background. normal: R32UI, view space, octahedral 2x16. albedo:
+// A2B10G10R10, gamma 2. material: RGBA8, (metallic, roughness, dielectric F0). emissive: RGBA16F radiance. velocity:
+// RG16F, pixels.
 struct GBuffer {
   graph::Tex depth, normal, albedo, material, emissive, velocity;
   graph::Size size;
@@ -20,6 +21,7 @@ struct GBufferPass {
 GBufferPass create_gbuffer(gpu::Pipelines& pipelines, const SceneTables& scene);
 
 // `draws` and `scene` must live until the graph has run.
-GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size size, const SceneTables& scene, const DrawList& draws);
+GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size size, const SceneTables& scene,
+                    const DrawList& draws);
 
 }  // namespace nf::passes

@@ -18,26 +18,40 @@ LightingPass create_lighting(gpu::Pipelines& pipelines) {
   return pass;
 }
 
-Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, graph::Tex shadow_map, const ShadowParams& shadow,
-                    const SceneTables& scene) {
+Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, graph::Tex shadow_map,
+                    const ShadowParams& shadow, const SceneTables& scene) {
   const Radiance out{graph.image("direct.diffuse", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
                      graph.image("direct.specular", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
                      graph.image("direct.radiance", {g.size, VK_FORMAT_R32_UINT})};
-  auto builder = graph.fullscreen("direct.light", shadow_map ? pass.direct_shadowed : pass.direct, "Sun, point and spot lights: diffuse and specular, and the GI's source");
-  builder.in("depth", g.depth).in("normal", g.normal).in("albedo", g.albedo).in("material", g.material).in("emissive", g.emissive)
+  auto builder = graph.fullscreen("direct.light", shadow_map ? pass.direct_shadowed : pass.direct,
+                                  "Sun, point and spot lights: diffuse and specular, and the GI's source");
+  builder.in("depth", g.depth)
+      .in("normal", g.normal)
+      .in("albedo", g.albedo)
+      .in("material", g.material)
+      .in("emissive", g.emissive)
       .in("lights", graph.import("scene.lights", scene.lights()))
-      .out("direct_diffuse", out.diffuse).out("direct_specular", out.specular).out("radiance", out.radiance);
+      .out("direct_diffuse", out.diffuse)
+      .out("direct_specular", out.specular)
+      .out("radiance", out.radiance);
   if (shadow_map) builder.in("shadow_map", shadow_map).params(shadow);
   return out;
 }
 
-graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const Radiance& direct, const GiResult& gi,
-                         const SceneTables& scene) {
+graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const Radiance& direct,
+                         const GiResult& gi, const SceneTables& scene) {
   const graph::Tex lit = graph.image("composite.lit", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT});
-  auto builder = graph.fullscreen("composite", pass.composite[gi.gi.valid()][gi.visibility.valid()], "Direct + ambient + indirect + emission");
-  builder.in("depth", g.depth).in("normal", g.normal).in("albedo", g.albedo).in("material", g.material).in("emissive", g.emissive)
+  auto builder = graph.fullscreen("composite", pass.composite[gi.gi.valid()][gi.visibility.valid()],
+                                  "Direct + ambient + indirect + emission");
+  builder.in("depth", g.depth)
+      .in("normal", g.normal)
+      .in("albedo", g.albedo)
+      .in("material", g.material)
+      .in("emissive", g.emissive)
       .in("reflectance", graph.import("lighting.reflectance", scene.reflectance()))
-      .in("direct_diffuse", direct.diffuse).in("direct_specular", direct.specular).out("lit", lit);
+      .in("direct_diffuse", direct.diffuse)
+      .in("direct_specular", direct.specular)
+      .out("lit", lit);
   if (gi.gi) builder.in("gi", gi.gi);
   if (gi.visibility) builder.in("visibility", gi.visibility);
   return lit;

@@ -7,13 +7,14 @@
 
 namespace nf::passes {
 
-// diffuse, specular: RGBA16F outgoing radiance. radiance: R32UI RGB9E5, what the GI gathers (direct diffuse + emission).
+// diffuse, specular: RGBA16F outgoing radiance. radiance: R32UI RGB9E5, what the GI gathers (direct diffuse +
+// emission).
 struct Radiance {
   graph::Tex diffuse, specular, radiance;
 };
 
-#define NF_TONEMAP_PARAMS(P)                                                                              \
-  P(Float, exposure_ev, 0.0f, -16.0f, 16.0f, "EV", "Exposure in stops; 0 leaves radiance as it is")        \
+#define NF_TONEMAP_PARAMS(P)                                                                        \
+  P(Float, exposure_ev, 0.0f, -16.0f, 16.0f, "EV", "Exposure in stops; 0 leaves radiance as it is") \
   P(Choice, curve, 0, 0, 1, "aces|clamp", "Tone curve: a fit of ACES, or plain clamping")
 NF_DECLARE_PARAMS(TonemapParams, "tonemap", NF_TONEMAP_PARAMS)
 
@@ -25,11 +26,11 @@ struct LightingPass {
 LightingPass create_lighting(gpu::Pipelines& pipelines);
 
 // `shadow_map` may be invalid: no shadows.
-Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, graph::Tex shadow_map, const ShadowParams& shadow,
-                    const SceneTables& scene);
+Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, graph::Tex shadow_map,
+                    const ShadowParams& shadow, const SceneTables& scene);
 // RGBA16F, linear radiance before tone mapping.
-graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const Radiance& direct, const GiResult& gi,
-                         const SceneTables& scene);
+graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const Radiance& direct,
+                         const GiResult& gi, const SceneTables& scene);
 // RGBA8, sRGB-encoded.
 graph::Tex add_tonemap(graph::Graph& graph, const LightingPass& pass, graph::Tex lit, const TonemapParams& params);
 

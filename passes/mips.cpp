@@ -9,7 +9,8 @@
 namespace nf::passes {
 namespace {
 
-// sRGB <-> linear through tables: 256 entries one way, 4096 the other (half an 8-bit step everywhere above black's toe).
+// sRGB <-> linear through tables: 256 entries one way, 4096 the other (half an 8-bit step everywhere above black's
+// toe).
 struct SrgbTables {
   std::array<float, 256> linear;
   std::array<uint8_t, 4096> encoded;
@@ -39,7 +40,9 @@ std::vector<std::vector<uint8_t>> make_mips(const scene::Picture& picture) {
         for (uint32_t c = 0; c < 4; ++c) {
           uint8_t& out = to[(size_t(y) * w + x) * 4 + c];
           if (picture.srgb && c < 3) {
-            const float mean = (tables.linear[texel[0][c]] + tables.linear[texel[1][c]] + tables.linear[texel[2][c]] + tables.linear[texel[3][c]]) * 0.25f;
+            const float mean = (tables.linear[texel[0][c]] + tables.linear[texel[1][c]] + tables.linear[texel[2][c]] +
+                                tables.linear[texel[3][c]]) *
+                               0.25f;
             out = tables.encoded[size_t(mean * float(tables.encoded.size() - 1) + 0.5f)];
           } else {
             out = uint8_t((texel[0][c] + texel[1][c] + texel[2][c] + texel[3][c] + 2) / 4);

@@ -39,14 +39,18 @@ VkSamplerAddressMode address(scene::Wrap wrap) {
          : wrap == scene::Wrap::Mirror ? VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT
                                        : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
 }
-VkFilter filter(scene::Filter f) { return f == scene::Filter::Linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST; }
+VkFilter filter(scene::Filter f) {
+  return f == scene::Filter::Linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
+}
 
 std::array<uint32_t, 4> textures_of(const scene::Material& m) {
   return {m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.emissive_texture};
 }
 
 // Blended surfaces are drawn as cut-outs; sorted blending is not part of the deferred frame.
-DrawClass class_of(const scene::Material& m) { return m.alpha == scene::AlphaMode::Opaque ? DrawClass::Opaque : DrawClass::Masked; }
+DrawClass class_of(const scene::Material& m) {
+  return m.alpha == scene::AlphaMode::Opaque ? DrawClass::Opaque : DrawClass::Masked;
+}
 
 }  // namespace
 
@@ -55,8 +59,11 @@ bool DrawList::has(DrawClass draw_class) const {
 }
 
 std::span<const gpu::VertexStream> SceneTables::streams() {
-  static const gpu::VertexStream all[] = {{VK_FORMAT_R32G32B32_SFLOAT, 12}, {VK_FORMAT_R32G32B32_SFLOAT, 12}, {VK_FORMAT_R32G32B32A32_SFLOAT, 16},
-                                          {VK_FORMAT_R32G32_SFLOAT, 8}, {VK_FORMAT_R32G32B32A32_SFLOAT, 16}};
+  static const gpu::VertexStream all[] = {{VK_FORMAT_R32G32B32_SFLOAT, 12},
+                                          {VK_FORMAT_R32G32B32_SFLOAT, 12},
+                                          {VK_FORMAT_R32G32B32A32_SFLOAT, 16},
+                                          {VK_FORMAT_R32G32_SFLOAT, 8},
+                                          {VK_FORMAT_R32G32B32A32_SFLOAT, 16}};
   return all;
 }
 
@@ -80,8 +87,10 @@ SceneTables::~SceneTables() {
 void SceneTables::upload_geometry() {
   const scene::Geometry& g = scene_.geometry;
   constexpr VkBufferUsageFlags vertex = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
-  streams_ = {gpu::upload_table(device_, g.position, vertex, "scene.position"), gpu::upload_table(device_, g.normal, vertex, "scene.normal"),
-              gpu::upload_table(device_, g.tangent, vertex, "scene.tangent"), gpu::upload_table(device_, g.uv0, vertex, "scene.uv0"),
+  streams_ = {gpu::upload_table(device_, g.position, vertex, "scene.position"),
+              gpu::upload_table(device_, g.normal, vertex, "scene.normal"),
+              gpu::upload_table(device_, g.tangent, vertex, "scene.tangent"),
+              gpu::upload_table(device_, g.uv0, vertex, "scene.uv0"),
               gpu::upload_table(device_, g.color, vertex, "scene.color")};
   indices_ = gpu::upload_table(device_, g.index, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, "scene.indices");
 }
@@ -89,7 +98,8 @@ void SceneTables::upload_geometry() {
 void SceneTables::upload_textures() {
   const std::array<std::byte, 4> white = {std::byte{255}, std::byte{255}, std::byte{255}, std::byte{255}};
   const gpu::ImagePart white_part{0, 0, white};
-  arrays_.push_back(gpu::upload_image(device_, {.format = VK_FORMAT_R8G8B8A8_UNORM}, {&white_part, 1}, "scene.white", true));
+  arrays_.push_back(
+      gpu::upload_image(device_, {.format = VK_FORMAT_R8G8B8A8_UNORM}, {&white_part, 1}, "scene.white", true));
 
   // Pictures of one size and encoding share an array, split where the device's layer limit asks for it.
   std::map<std::tuple<uint32_t, uint32_t, bool>, std::vector<uint32_t>> classes;
@@ -106,11 +116,15 @@ void SceneTables::upload_textures() {
         const uint32_t picture = members[first + layer];
         picture_slots_[picture] = {uint32_t(arrays_.size()), layer};
         chains.push_back(make_mips(scene_.pictures[picture]));
-        for (uint32_t mip = 0; mip < chains.back().size(); ++mip) parts.push_back({mip, layer, std::as_bytes(std::span(chains.back()[mip]))});
+        for (uint32_t mip = 0; mip < chains.back().size(); ++mip)
+          parts.push_back({mip, layer, std::as_bytes(std::span(chains.back()[mip]))});
       }
-      const gpu::ImageInfo info{.extent = {width, height}, .format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
-                                .mips = uint32_t(chains[0].size()), .layers = uint32_t(count)};
-      arrays_.push_back(gpu::upload_image(device_, info, parts, fmt::format("scene.textures {}x{}", width, height), true));
+      const gpu::ImageInfo info{.extent = {width, height},
+                                .format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                                .mips = uint32_t(chains[0].size()),
+                                .layers = uint32_t(count)};
+      arrays_.push_back(
+          gpu::upload_image(device_, info, parts, fmt::format("scene.textures {}x{}", width, height), true));
     }
   }
 }
@@ -118,9 +132,14 @@ void SceneTables::upload_textures() {
 VkSampler SceneTables::sampler_for(const scene::Sampler& wanted) {
   for (const auto& [key, sampler] : samplers_)
     if (key == wanted) return sampler;
-  VkSamplerCreateInfo create{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO, .magFilter = filter(wanted.mag), .minFilter = filter(wanted.min),
-                             .mipmapMode = wanted.mip == scene::Filter::Linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
-                             .addressModeU = address(wanted.u), .addressModeV = address(wanted.v), .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+  VkSamplerCreateInfo create{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+                             .magFilter = filter(wanted.mag),
+                             .minFilter = filter(wanted.min),
+                             .mipmapMode = wanted.mip == scene::Filter::Linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR
+                                                                               : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                             .addressModeU = address(wanted.u),
+                             .addressModeV = address(wanted.v),
+                             .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                              .maxLod = wanted.mips ? VK_LOD_CLAMP_NONE : 0.25f};
   VkSampler sampler = VK_NULL_HANDLE;
   NF_VK(vkCreateSampler(device_.handle, &create, nullptr, &sampler));
@@ -153,33 +172,52 @@ void SceneTables::upload_materials() {
     glm::ivec4 layers(-1);
     const auto textures = textures_of(m);
     for (int i = 0; i < 4; ++i)
-      if (textures[size_t(i)] != scene::none) layers[i] = int(picture_slots_[scene_.textures[textures[size_t(i)]].picture].layer);
+      if (textures[size_t(i)] != scene::none)
+        layers[i] = int(picture_slots_[scene_.textures[textures[size_t(i)]].picture].layer);
     blended += m.alpha == scene::AlphaMode::Blend;
-    const float cutoff = m.alpha == scene::AlphaMode::Mask ? m.alpha_cutoff : m.alpha == scene::AlphaMode::Blend ? 0.5f : 0.0f;
+    const float cutoff = m.alpha == scene::AlphaMode::Mask    ? m.alpha_cutoff
+                         : m.alpha == scene::AlphaMode::Blend ? 0.5f
+                                                              : 0.0f;
     rows.push_back({m.base_color, m.emissive, m.metallic, m.roughness, m.normal_scale, cutoff, layers});
   }
-  if (blended) log::warn("{} blended material{} drawn as cut-outs at alpha 0.5: this version has no transparency", blended, blended == 1 ? "" : "s");
+  if (blended)
+    log::warn("{} blended material{} drawn as cut-outs at alpha 0.5: this version has no transparency", blended,
+              blended == 1 ? "" : "s");
   materials_ = gpu::upload_table(device_, rows, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.materials");
 
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   for (uint32_t i = 0; i < 4; ++i)
-    bindings.push_back({.binding = i, .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, .descriptorCount = 1, .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT});
-  VkDescriptorSetLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 4, .pBindings = bindings.data()};
+    bindings.push_back({.binding = i,
+                        .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                        .descriptorCount = 1,
+                        .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT});
+  VkDescriptorSetLayoutCreateInfo layout{
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 4, .pBindings = bindings.data()};
   NF_VK(vkCreateDescriptorSetLayout(device_.handle, &layout, nullptr, &set_layout_));
   const uint32_t count = std::max<uint32_t>(uint32_t(set_keys_.size()), 1);
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * 4};
-  VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = count, .poolSizeCount = 1, .pPoolSizes = &size};
+  VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                  .maxSets = count,
+                                  .poolSizeCount = 1,
+                                  .pPoolSizes = &size};
   NF_VK(vkCreateDescriptorPool(device_.handle, &pool, nullptr, &pool_));
   for (const auto& key : set_keys_) {
-    VkDescriptorSetAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, .descriptorPool = pool_, .descriptorSetCount = 1, .pSetLayouts = &set_layout_};
+    VkDescriptorSetAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                         .descriptorPool = pool_,
+                                         .descriptorSetCount = 1,
+                                         .pSetLayouts = &set_layout_};
     VkDescriptorSet set = VK_NULL_HANDLE;
     NF_VK(vkAllocateDescriptorSets(device_.handle, &allocate, &set));
     VkDescriptorImageInfo infos[4];
     VkWriteDescriptorSet writes[4];
     for (uint32_t i = 0; i < 4; ++i) {
       infos[i] = {key[i].second, arrays_[key[i].first].view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-      writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, .dstSet = set, .dstBinding = i, .descriptorCount = 1,
-                   .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, .pImageInfo = &infos[i]};
+      writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                   .dstSet = set,
+                   .dstBinding = i,
+                   .descriptorCount = 1,
+                   .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                   .pImageInfo = &infos[i]};
     }
     vkUpdateDescriptorSets(device_.handle, 4, writes, 0, nullptr);
     sets_.push_back(set);
@@ -190,22 +228,35 @@ void SceneTables::upload_instances_and_lights() {
   std::vector<InstanceRow> instances;
   for (size_t i = 0; i < scene_.instances.size(); ++i) {
     const uint32_t node = scene_.instances.node[i];
-    instances.push_back({scene_.nodes.world[node], scene_.nodes.previous_world[node], scene_.primitives[scene_.instances.primitive[i]].material,
+    instances.push_back({scene_.nodes.world[node], scene_.nodes.previous_world[node],
+                         scene_.primitives[scene_.instances.primitive[i]].material,
                          scene_.instances.mirrored[i] ? -1.0f : 1.0f});
   }
   std::vector<LightRow> lights;
   for (const scene::DirectionalLight& l : scene_.directional)
-    lights.push_back({.position = {}, .directional = 1, .direction = l.direction, .range = 0, .radiance = l.color * l.irradiance, .cone_scale = 0, .cone_offset = 1});
+    lights.push_back({.position = {},
+                      .directional = 1,
+                      .direction = l.direction,
+                      .range = 0,
+                      .radiance = l.color * l.irradiance,
+                      .cone_scale = 0,
+                      .cone_offset = 1});
   for (const scene::PunctualLight& l : scene_.punctual) {
     // KHR_lights_punctual: smooth between the cones as clamp(cos * scale + offset)^2.
     const bool spot = l.outer_cone < 3.14f;
     const float outer = std::cos(l.outer_cone);
     const float scale = spot ? 1.0f / std::max(0.001f, std::cos(l.inner_cone) - outer) : 0.0f;
-    lights.push_back({.position = l.position, .directional = 0, .direction = l.direction, .range = l.range, .radiance = l.color * l.intensity,
-                      .cone_scale = scale, .cone_offset = spot ? -outer * scale : 1.0f});
+    lights.push_back({.position = l.position,
+                      .directional = 0,
+                      .direction = l.direction,
+                      .range = l.range,
+                      .radiance = l.color * l.intensity,
+                      .cone_scale = scale,
+                      .cone_offset = spot ? -outer * scale : 1.0f});
   }
   instances_ = gpu::upload_table(device_, instances, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.instances");
-  reflectance_ = gpu::upload_table(device_, reflectance_table(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "lighting.reflectance");
+  reflectance_ =
+      gpu::upload_table(device_, reflectance_table(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "lighting.reflectance");
   lights_ = gpu::upload_table(device_, lights, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.lights");
 }
 
@@ -227,17 +278,20 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
     uint32_t distance_bits;
     const float distance = glm::dot(to, to);
     std::memcpy(&distance_bits, &distance, sizeof distance_bits);  // positive floats order as their bits
-    const uint64_t batch = uint64_t(class_of(m)) << 31 | uint64_t(material_sets_[material]) << 2 | uint64_t(m.double_sided) << 1 | uint64_t(instances.mirrored[i] != 0);
+    const uint64_t batch = uint64_t(class_of(m)) << 31 | uint64_t(material_sets_[material]) << 2 |
+                           uint64_t(m.double_sided) << 1 | uint64_t(instances.mirrored[i] != 0);
     keyed.push_back({batch << 32 | distance_bits, i});
   }
-  std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.instance < b.instance; });
+  std::sort(keyed.begin(), keyed.end(),
+            [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.instance < b.instance; });
 
   const uint32_t capacity = std::max<uint32_t>(uint32_t(instances.size()), 1);
   if (list.capacity < capacity) {
     device_.wait_idle();
     destroy(device_, list.commands);
-    list.commands = gpu::create_buffer(device_, VkDeviceSize(capacity) * gpu::FrameRing::size * sizeof(VkDrawIndexedIndirectCommand),
-                                       VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, gpu::Where::Host, "scene.draws");
+    list.commands = gpu::create_buffer(
+        device_, VkDeviceSize(capacity) * gpu::FrameRing::size * sizeof(VkDrawIndexedIndirectCommand),
+        VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, gpu::Where::Host, "scene.draws");
     list.capacity = capacity;
   }
   list.region = (list.region + 1) % gpu::FrameRing::size;
@@ -248,10 +302,15 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
   for (uint32_t n = 0; n < keyed.size(); ++n) {
     const uint32_t i = keyed[n].instance;
     const scene::Primitive& p = scene_.primitives[instances.primitive[i]];
-    commands[n] = {.indexCount = p.index_count, .instanceCount = 1, .firstIndex = p.first_index, .vertexOffset = int32_t(p.vertex_offset), .firstInstance = i};
+    commands[n] = {.indexCount = p.index_count,
+                   .instanceCount = 1,
+                   .firstIndex = p.first_index,
+                   .vertexOffset = int32_t(p.vertex_offset),
+                   .firstInstance = i};
     if (n == 0 || keyed[n].key >> 32 != keyed[n - 1].key >> 32) {
       const scene::Material& m = scene_.materials[p.material];
-      list.batches.push_back({class_of(m), m.double_sided, instances.mirrored[i] != 0, material_sets_[p.material], base + n, 0});
+      list.batches.push_back(
+          {class_of(m), m.double_sided, instances.mirrored[i] != 0, material_sets_[p.material], base + n, 0});
     }
     ++list.batches.back().draw_count;
   }
@@ -262,7 +321,8 @@ void SceneTables::destroy_list(DrawList& list) const {
   list = {};
 }
 
-void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder) const {
+void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_materials,
+                       const graph::Recorder& recorder) const {
   std::array<VkBuffer, 5> buffers;
   for (size_t i = 0; i < buffers.size(); ++i) buffers[i] = streams_[i].handle;
   recorder.bind_vertex_streams(std::span(buffers).first(with_materials ? 5 : 1));
@@ -272,7 +332,8 @@ void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_mat
     if (with_materials) recorder.bind_set1(sets_[batch.texture_set]);
     recorder.set_cull(batch.double_sided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT,
                       batch.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
-    recorder.draw_indexed_indirect(list.commands.handle, VkDeviceSize(batch.first_draw) * sizeof(VkDrawIndexedIndirectCommand), batch.draw_count);
+    recorder.draw_indexed_indirect(
+        list.commands.handle, VkDeviceSize(batch.first_draw) * sizeof(VkDrawIndexedIndirectCommand), batch.draw_count);
   }
 }
 

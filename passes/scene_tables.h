@@ -1,9 +1,9 @@
-// The scene on the GPU: vertex streams, tables of instances, materials and lights, textures in arrays, and the frame's draws as
-// indirect commands.
+// The scene on the GPU: vertex streams, tables of instances, materials and lights, textures in arrays, and the frame's
+// draws as indirect commands.
 //
-// Draws are batched so that a draw costs an indirect command and not a descriptor change: textures of one size and encoding
-// share an array, materials are rows of a table, and only a change of texture arrays, samplers, culling or alpha mode starts a
-// new batch.
+// Draws are batched so that a draw costs an indirect command and not a descriptor change: textures of one size and
+// encoding share an array, materials are rows of a table, and only a change of texture arrays, samplers, culling or
+// alpha mode starts a new batch.
 #pragma once
 
 #include <array>
@@ -42,7 +42,8 @@ class SceneTables {
   SceneTables(const SceneTables&) = delete;
   SceneTables& operator=(const SceneTables&) = delete;
 
-  // Culls against the frustum, sorts (batch, then front to back from `eye`) and writes the indirect commands of this frame.
+  // Culls against the frustum, sorts (batch, then front to back from `eye`) and writes the indirect commands of this
+  // frame.
   void build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const;
   void destroy_list(DrawList& list) const;
 

@@ -23,20 +23,28 @@ glm::mat4 fit_shadow(const scene::Bounds& bounds, glm::vec3 direction, float& ex
 ShadowPass create_shadow(gpu::Pipelines& pipelines, const SceneTables& scene) {
   const auto streams = SceneTables::streams();
   gpu::RasterState opaque{.streams = {streams[0]}, .depth_test = true, .depth_write = true};
-  gpu::RasterState masked{.streams = {streams.begin(), streams.end()}, .depth_test = true, .depth_write = true, .set1 = scene.material_set_layout()};
-  return {pipelines.raster("shadow.vert", "", {}, opaque), pipelines.raster("shadow.vert", "shadow.frag", {{"MASKED", "1"}}, masked)};
+  gpu::RasterState masked{.streams = {streams.begin(), streams.end()},
+                          .depth_test = true,
+                          .depth_write = true,
+                          .set1 = scene.material_set_layout()};
+  return {pipelines.raster("shadow.vert", "", {}, opaque),
+          pipelines.raster("shadow.vert", "shadow.frag", {{"MASKED", "1"}}, masked)};
 }
 
-graph::Tex add_shadow(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const SceneTables& scene, const DrawList& draws) {
+graph::Tex add_shadow(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const SceneTables& scene,
+                      const DrawList& draws) {
   const uint32_t side = uint32_t(params.resolution);
   const graph::Tex map = graph.image("shadow.map", {{side, side}, VK_FORMAT_D32_SFLOAT});
   const graph::Buf instances = graph.import("scene.instances", scene.instances());
   graph.raster("shadow.opaque", pass.opaque, "Depth of opaque surfaces from the sun")
-      .in("instances", instances).depth(map, 0.0f)
+      .in("instances", instances)
+      .depth(map, 0.0f)
       .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Opaque, false, r); });
   if (draws.has(DrawClass::Masked))
     graph.raster("shadow.masked", pass.masked, "Depth of cut-out surfaces from the sun")
-        .in("instances", instances).in("materials", graph.import("scene.materials", scene.materials())).depth(map)
+        .in("instances", instances)
+        .in("materials", graph.import("scene.materials", scene.materials()))
+        .depth(map)
         .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Masked, true, r); });
   return map;
 }

@@ -6,10 +6,11 @@
 
 namespace nf::passes {
 
-#define NF_SHADOW_PARAMS(P)                                                                                           \
-  P(Bool, enabled, 1, 0, 1, "", "Shadows of the sun (the first directional light)")                                    \
-  P(Int, resolution, 2048, 16, 8192, "px", "Side of the shadow map")                                                   \
-  P(Float, normal_bias, 2.0f, 0.0f, 16.0f, "texels", "How far the receiver is moved along its normal, times the slope") \
+#define NF_SHADOW_PARAMS(P)                                                         \
+  P(Bool, enabled, 1, 0, 1, "", "Shadows of the sun (the first directional light)") \
+  P(Int, resolution, 2048, 16, 8192, "px", "Side of the shadow map")                \
+  P(Float, normal_bias, 2.0f, 0.0f, 16.0f, "texels",                                \
+    "How far the receiver is moved along its normal, times the slope")              \
   P(Float, bias, 1.0f, 0.0f, 16.0f, "texels", "How far the receiver is moved towards the light")
 NF_DECLARE_PARAMS(ShadowParams, "shadow", NF_SHADOW_PARAMS)
 
@@ -23,6 +24,7 @@ struct ShadowPass {
 ShadowPass create_shadow(gpu::Pipelines& pipelines, const SceneTables& scene);
 
 // Invalid handle when there is no sun or shadows are off.
-graph::Tex add_shadow(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const SceneTables& scene, const DrawList& draws);
+graph::Tex add_shadow(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const SceneTables& scene,
+                      const DrawList& draws);
 
 }  // namespace nf::passes

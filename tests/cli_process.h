@@ -91,7 +91,13 @@ class CliTest : public testing::Test {
   }
   Outcome finish(pid_t pid) const {
     int status = 0;
-    EXPECT_EQ(waitpid(pid, &status, 0), pid);
+    const auto start = std::chrono::steady_clock::now();
+    pid_t ended = 0;
+    while ((ended = waitpid(pid, &status, WNOHANG)) == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      if (std::chrono::steady_clock::now() - start > std::chrono::seconds(60)) kill(pid, SIGKILL);
+    }
+    EXPECT_EQ(ended, pid);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), bytes_of(base_ / "stdout"),
             bytes_of(base_ / "stderr")};
   }

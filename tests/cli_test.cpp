@@ -1,4 +1,5 @@
-// The command line at work, on the bundled Cornell box at tiny sizes: pictures, layers, numbers, precedence, interrupts.
+// The command line at work, on the bundled Cornell box at tiny sizes: pictures, layers, numbers, precedence,
+// interrupts.
 #include "cli_process.h"
 #include "image/image.h"
 
@@ -9,9 +10,9 @@ using nlohmann::json;
 
 // The documented layers and their channels; "" is the final radiance.
 const std::map<std::string, std::string> vbgi_layers = {
-    {"", "RGB"},       {"direct", "RGB"}, {"direct_diffuse", "RGB"}, {"indirect", "RGB"}, {"ambient", "RGB"},
-    {"gi", "RGB"},     {"gi_raw", "RGB"}, {"visibility", "V"},       {"albedo", "RGB"},   {"normal", "XYZ"},
-    {"depth", "V"},    {"position", "XYZ"}, {"velocity", "XY"},      {"emissive", "RGB"}, {"radiance", "RGB"}};
+    {"", "RGB"},    {"direct", "RGB"},   {"direct_diffuse", "RGB"}, {"indirect", "RGB"}, {"ambient", "RGB"},
+    {"gi", "RGB"},  {"gi_raw", "RGB"},   {"visibility", "V"},       {"albedo", "RGB"},   {"normal", "XYZ"},
+    {"depth", "V"}, {"position", "XYZ"}, {"velocity", "XY"},        {"emissive", "RGB"}, {"radiance", "RGB"}};
 
 const image::Layer& layer(const image::ExrFile& file, const std::string& name) {
   for (const image::Layer& l : file.layers)
@@ -47,7 +48,8 @@ TEST_F(CliTest, WritesAllLayers) {
   for (const float depth : layer(file, "depth").image.pixels) EXPECT_GE(depth, 0);
   EXPECT_EQ(file.header.at("nearfield.seed"), "1");
   EXPECT_EQ(file.header.at("nearfield.complete"), "true");
-  for (const char* key : {"nearfield.command", "nearfield.version", "nearfield.device"}) EXPECT_TRUE(file.header.count(key)) << key;
+  for (const char* key : {"nearfield.command", "nearfield.version", "nearfield.device"})
+    EXPECT_TRUE(file.header.count(key)) << key;
 }
 
 TEST_F(CliTest, WritesTheLayersAskedFor) {
@@ -79,7 +81,8 @@ TEST_F(CliTest, JsonOnStdoutIsOneDocument) {
       EXPECT_GE(pass["gpu_ms"][key].get<double>(), 0) << key;
     EXPECT_LE(pass["gpu_ms"]["min"].get<double>(), pass["gpu_ms"]["max"].get<double>());
   }
-  for (const char* name : {"gbuffer.opaque", "direct.light", "vbgi.trace", "tonemap", "readback"}) EXPECT_TRUE(passes.count(name)) << name;
+  for (const char* name : {"gbuffer.opaque", "direct.light", "vbgi.trace", "tonemap", "readback"})
+    EXPECT_TRUE(passes.count(name)) << name;
   for (const char* key : {"placed_bytes", "max_live_bytes", "unaliased_bytes"}) EXPECT_GT(doc["memory"][key], 0) << key;
   render({"-o", out("a.png"), "--json", out("a.json")});
   EXPECT_TRUE(json::parse(bytes_of(out("a.json")), nullptr, false).is_object());
@@ -91,10 +94,16 @@ TEST_F(CliTest, QuietPrintsPathsOnly) {
   EXPECT_EQ(outcome.err, "");
 }
 
+TEST_F(CliTest, LogFileHoldsTheLog) {
+  render({"-o", out("a.exr"), "--aov", "all", "--log-file", out("a.log"), "--quiet"});
+  EXPECT_NE(bytes_of(out("a.log")).find("info: no layer 'bent'"), std::string::npos) << bytes_of(out("a.log"));
+}
+
 // Flags, then the environment, then the preset, then the default.
 TEST_F(CliTest, Precedence) {
-  const std::string preset =
-      input("p.json", R"({"schema": "nearfield.preset/1", "size": "48x27", "seed": 7, "technique": "none", "params": {"gi.slices": 4}})");
+  const std::string preset = input(
+      "p.json",
+      R"({"schema": "nearfield.preset/1", "size": "48x27", "seed": 7, "technique": "none", "params": {"gi.slices": 4}})");
   const auto size = [&](const Words& words, const Words& environment) {
     Words all = {"graph", scene(), "--format", "json"};
     all.insert(all.end(), words.begin(), words.end());
@@ -114,7 +123,9 @@ TEST_F(CliTest, Precedence) {
   EXPECT_EQ(doc["seed"], 9);
   EXPECT_EQ(doc["technique"], "none");
   EXPECT_EQ(image::read_png(out("a.png")).width, 48u);
-  const json flags = render({"-o", out("a.png"), "--json", "-", "--preset", preset, "--seed", "5"}, {"NEARFIELD_TECHNIQUE=vbgi"}).json();
+  const json flags =
+      render({"-o", out("a.png"), "--json", "-", "--preset", preset, "--seed", "5"}, {"NEARFIELD_TECHNIQUE=vbgi"})
+          .json();
   EXPECT_EQ(flags["seed"], 5);
   EXPECT_EQ(flags["technique"], "vbgi");
   EXPECT_EQ(image::read_png(out("a.png")).width, 64u);
@@ -122,7 +133,8 @@ TEST_F(CliTest, Precedence) {
 
 // --set wins over the preset's value.
 TEST_F(CliTest, ParametersReachThePicture) {
-  const std::string preset = input("p.json", R"({"schema": "nearfield.preset/1", "params": {"tonemap.exposure_ev": 1}})");
+  const std::string preset =
+      input("p.json", R"({"schema": "nearfield.preset/1", "params": {"tonemap.exposure_ev": 1}})");
   render({"-o", out("plain.png")});
   render({"-o", out("preset.png"), "--preset", preset});
   render({"-o", out("set.png"), "--preset", preset, "--set", "tonemap.exposure_ev=0"});
@@ -139,7 +151,9 @@ TEST_F(CliTest, PatternWritesEveryFrame) {
 }
 
 TEST_F(CliTest, SameCommandSameBytes) {
-  for (const char* name : {"a", "b"}) render({"-o", out(name + std::string(".exr")), "-o", out(name + std::string(".png")), "--aov", "all", "--frames", "2"});
+  for (const char* name : {"a", "b"})
+    render({"-o", out(name + std::string(".exr")), "-o", out(name + std::string(".png")), "--aov", "all", "--frames",
+            "2"});
   EXPECT_EQ(bytes_of(out("a.png")), bytes_of(out("b.png")));
   EXPECT_EQ(bytes_of(out("a.exr")), bytes_of(out("b.exr")));
   render({"-o", out("c.exr"), "-o", out("c.png"), "--aov", "all", "--frames", "2", "--seed", "2"});
@@ -185,7 +199,8 @@ TEST_F(CliTest, InfoIsJson) {
   for (const char* id : {"none", "vbgi"}) EXPECT_TRUE(techniques.count(id)) << id;
   for (const char* id : {"gi.radius", "tonemap.exposure_ev"}) EXPECT_TRUE(params.count(id)) << id;
   EXPECT_GT(doc["scene"]["triangles"], 10);
-  for (const Words& words : {Words{"info"}, {"info", "--params", "vbgi"}, {"info", "--scene", scene()}, {"info", "--devices"}}) {
+  for (const Words& words :
+       {Words{"info"}, {"info", "--params", "vbgi"}, {"info", "--scene", scene()}, {"info", "--devices"}}) {
     const Outcome text = run(words);
     EXPECT_EQ(text.code, 0) << text.err;
     EXPECT_FALSE(text.out.empty());
@@ -203,9 +218,11 @@ TEST_F(CliTest, GraphIsJsonOrText) {
       for (const char* key : {"resource", "use", "slot", "mip"}) EXPECT_TRUE(use.contains(key)) << key;
   }
   for (const json& resource : doc["resources"])
-    for (const char* key : {"name", "kind", "format", "size", "bytes", "first", "last", "heap", "offset", "transient", "alias_of"})
+    for (const char* key :
+         {"name", "kind", "format", "size", "bytes", "first", "last", "heap", "offset", "transient", "alias_of"})
       EXPECT_TRUE(resource.contains(key)) << key;
-  for (const char* key : {"placed_bytes", "max_live_bytes", "unaliased_bytes"}) EXPECT_TRUE(doc["memory"].contains(key)) << key;
+  for (const char* key : {"placed_bytes", "max_live_bytes", "unaliased_bytes"})
+    EXPECT_TRUE(doc["memory"].contains(key)) << key;
   const Outcome text = run({"graph", scene(), "--technique", "none"});
   EXPECT_EQ(text.code, 0) << text.err;
   EXPECT_NE(text.out.find("gbuffer.opaque"), std::string::npos);
@@ -213,7 +230,8 @@ TEST_F(CliTest, GraphIsJsonOrText) {
 }
 
 TEST_F(CliTest, HelpAndVersion) {
-  for (const Words& words : {Words{"--help"}, {"render", "--help"}, {"graph", "--help"}, {"info", "--help"}, {"--version"}}) {
+  for (const Words& words :
+       {Words{"--help"}, {"render", "--help"}, {"graph", "--help"}, {"info", "--help"}, {"--version"}}) {
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.err, "");
@@ -223,7 +241,8 @@ TEST_F(CliTest, HelpAndVersion) {
 }
 
 TEST_F(CliTest, InterruptWritesWhatThereIs) {
-  const pid_t pid = start({"render", scene(), "--size", "64x36", "-o", out("a.exr"), "--frames", "100000", "--accumulate", "--aov", "all"});
+  const pid_t pid = start(
+      {"render", scene(), "--size", "64x36", "-o", out("a.exr"), "--frames", "100000", "--accumulate", "--aov", "all"});
   ASSERT_TRUE(wait_for_handler(pid));
   std::this_thread::sleep_for(std::chrono::seconds(1));
   kill(pid, SIGINT);
@@ -237,7 +256,8 @@ TEST_F(CliTest, InterruptWritesWhatThereIs) {
 
 // A second Ctrl-C does not wait for the frame.
 TEST_F(CliTest, SecondInterruptEndsAtOnce) {
-  const pid_t pid = start({"render", scene(), "--size", "4096x4096", "-o", out("a.exr"), "--set", "gi.slices=64", "--set", "gi.steps=128"});
+  const pid_t pid = start(
+      {"render", scene(), "--size", "4096x4096", "-o", out("a.exr"), "--set", "gi.slices=64", "--set", "gi.steps=128"});
   ASSERT_TRUE(wait_for_handler(pid));
   kill(pid, SIGINT);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));

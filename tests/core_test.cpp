@@ -14,11 +14,11 @@ namespace {
 using nlohmann::json;
 
 // One parameter of each editable type; 0.1f is not what 0.1 is, so defaults must be compared as they are stored.
-#define NF_BLUR_PARAMS(P)                                                  \
-  P(Float, radius, 0.1f, 0.0f, 16.0f, "px", "Radius of the blur")          \
-  P(Int, taps, 5, -3, 33, "", "Samples")                                   \
-  P(Bool, edge_aware, true, 0, 1, "", "Stop at edges")                     \
-  P(Choice, shape, 1, 0, 2, "box|gauss|tent", "Shape of the kernel")       \
+#define NF_BLUR_PARAMS(P)                                            \
+  P(Float, radius, 0.1f, 0.0f, 16.0f, "px", "Radius of the blur")    \
+  P(Int, taps, 5, -3, 33, "", "Samples")                             \
+  P(Bool, edge_aware, true, 0, 1, "", "Stop at edges")               \
+  P(Choice, shape, 1, 0, 2, "box|gauss|tent", "Shape of the kernel") \
   P(Float, sigma, 2.5f, 0.5f, 8.0f, "px", "Standard deviation")
 NF_DECLARE_PARAMS(BlurParams, "blur", NF_BLUR_PARAMS)
 
@@ -96,14 +96,15 @@ TEST_F(ParamsTest, GlslTextIsTheTable) {
   EXPECT_EQ(params::glsl_block(BlurParams::table()),
             "layout(scalar) uniform blur_block {\n  float radius;\n  int taps;\n  uint edge_aware;\n  int shape;\n"
             "  float sigma;\n} blur;\n");
-  EXPECT_EQ(params::glsl_block(EveryBlock::table()),
-            "layout(scalar) uniform every_block {\n  float a;\n  vec2 b;\n  vec3 c;\n  vec4 d;\n  uvec2 e;\n  ivec2 f;\n"
-            "  uint g;\n  mat4 h;\n  uint i;\n  int j;\n} every;\n");
+  EXPECT_EQ(
+      params::glsl_block(EveryBlock::table()),
+      "layout(scalar) uniform every_block {\n  float a;\n  vec2 b;\n  vec3 c;\n  vec4 d;\n  uvec2 e;\n  ivec2 f;\n"
+      "  uint g;\n  mat4 h;\n  uint i;\n  int j;\n} every;\n");
 }
 
 TEST_F(ParamsTest, AssignTakesGoodValues) {
-  for (const char* text : {"blur.radius=3.25", "blur.taps=-3", "blur.edge_aware=off", "blur.shape=tent",
-                           "blur.sigma=8", "glow.gain=0"})
+  for (const char* text :
+       {"blur.radius=3.25", "blur.taps=-3", "blur.edge_aware=off", "blur.shape=tent", "blur.sigma=8", "glow.gain=0"})
     params::assign(blocks, text);
   EXPECT_EQ(blur.radius, 3.25f);
   EXPECT_EQ(blur.taps, -3);
@@ -122,8 +123,10 @@ TEST_F(ParamsTest, AssignTakesGoodValues) {
 }
 
 TEST_F(ParamsTest, UnknownIdNamesTheNearest) {
-  for (const auto& [id, nearest] : {std::pair{"blur.radios", "'blur.radius'"}, {"blr.taps", "'blur.taps'"},
-                                    {"glow.gian", "'glow.gain'"}, {"radius", "'blur.radius'"}}) {
+  for (const auto& [id, nearest] : {std::pair{"blur.radios", "'blur.radius'"},
+                                    {"blr.taps", "'blur.taps'"},
+                                    {"glow.gian", "'glow.gain'"},
+                                    {"radius", "'blur.radius'"}}) {
     const auto [exit, text] = assign_error(fmt::format("{}=1", id));
     EXPECT_EQ(exit, Exit::Input) << id;
     EXPECT_NE(text.find(nearest), std::string::npos) << text;
@@ -133,11 +136,28 @@ TEST_F(ParamsTest, UnknownIdNamesTheNearest) {
 
 TEST_F(ParamsTest, BadValuesAreUsageErrorsAndChangeNothing) {
   const BlurParams before = blur;
-  for (const char* text :
-       {"blur.radius", "blur.radius=", "=2", "", "blur.radius=wide", "blur.radius=2px", "blur.radius= 2",
-        "blur.radius=nan", "blur.radius=inf", "blur.radius=1e999", "blur.radius=-0.01", "blur.radius=16.5",
-        "blur.taps=2.5", "blur.taps=34", "blur.taps=-4", "blur.taps=99999999999", "blur.edge_aware=2",
-        "blur.edge_aware=True", "blur.shape=round", "blur.shape=1", "blur.shape=", "blur.shape=box|gauss"}) {
+  for (const char* text : {"blur.radius",
+                           "blur.radius=",
+                           "=2",
+                           "",
+                           "blur.radius=wide",
+                           "blur.radius=2px",
+                           "blur.radius= 2",
+                           "blur.radius=nan",
+                           "blur.radius=inf",
+                           "blur.radius=1e999",
+                           "blur.radius=-0.01",
+                           "blur.radius=16.5",
+                           "blur.taps=2.5",
+                           "blur.taps=34",
+                           "blur.taps=-4",
+                           "blur.taps=99999999999",
+                           "blur.edge_aware=2",
+                           "blur.edge_aware=True",
+                           "blur.shape=round",
+                           "blur.shape=1",
+                           "blur.shape=",
+                           "blur.shape=box|gauss"}) {
     const auto [exit, message] = assign_error(text);
     EXPECT_EQ(exit, Exit::Usage) << text << ": " << message;
     EXPECT_FALSE(message.empty());
@@ -233,10 +253,9 @@ TEST(ErrorTest, CarriesExitCodeAndText) {
 
 // The numbers are a contract with shell scripts.
 TEST(ErrorTest, ExitCodes) {
-  const std::pair<Exit, int> codes[] = {{Exit::Ok, 0},     {Exit::CheckFailed, 1}, {Exit::Usage, 2},
-                                        {Exit::Input, 3},  {Exit::NoDevice, 4},    {Exit::Shader, 5},
-                                        {Exit::Gpu, 6},    {Exit::Output, 7},      {Exit::Internal, 70},
-                                        {Exit::Interrupted, 130}};
+  const std::pair<Exit, int> codes[] = {
+      {Exit::Ok, 0},     {Exit::CheckFailed, 1}, {Exit::Usage, 2},  {Exit::Input, 3},     {Exit::NoDevice, 4},
+      {Exit::Shader, 5}, {Exit::Gpu, 6},         {Exit::Output, 7}, {Exit::Internal, 70}, {Exit::Interrupted, 130}};
   for (const auto& [code, number] : codes) EXPECT_EQ(int(code), number);
 }
 

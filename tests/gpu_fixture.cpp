@@ -31,7 +31,8 @@ void GpuTest::TearDown() {
 
 std::filesystem::path GpuTest::temporary(const std::string& name) {
   const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-  folder_ = std::filesystem::temp_directory_path() / fmt::format("nearfield-{}-{}-{}", info->test_suite_name(), info->name(), getpid());
+  folder_ = std::filesystem::temp_directory_path() /
+            fmt::format("nearfield-{}-{}-{}", info->test_suite_name(), info->name(), getpid());
   std::filesystem::create_directories(folder_);
   return folder_ / name;
 }
@@ -43,7 +44,7 @@ scene::Scene GpuTest::load(const content::Builder& builder) {
 }
 
 Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
-  passes::Renderer renderer(device(), scene);
+  passes::Renderer renderer(device(), scene, request.alias);
   passes::FrameView view;
   view.camera = view.previous_camera = request.camera;
   view.size = request.size;
@@ -63,11 +64,14 @@ Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
     graph.readback("picture", renderer.add_picture(graph, outputs, request.settings, mean));
     const size_t wanted = names.size() + 1;
     // Every other target that can hold a NaN.
-    for (uint16_t r = 0; r < graph.resources.size(); ++r) {
+    for (uint16_t r = 0; request.scan && r < graph.resources.size(); ++r) {
       const VkFormat format = graph.resources[r].desc.format;
-      const bool is_float = format == VK_FORMAT_R16_SFLOAT || format == VK_FORMAT_R16G16_SFLOAT || format == VK_FORMAT_R16G16B16A16_SFLOAT ||
-                            format == VK_FORMAT_R32_SFLOAT || format == VK_FORMAT_R32G32_SFLOAT || format == VK_FORMAT_R32G32B32A32_SFLOAT || format == VK_FORMAT_D32_SFLOAT;
-      if (is_float && graph.resources[r].lifetime != graph::Lifetime::HistoryPrev) graph.readback(graph.resources[r].name, graph::Tex{r});
+      const bool is_float = format == VK_FORMAT_R16_SFLOAT || format == VK_FORMAT_R16G16_SFLOAT ||
+                            format == VK_FORMAT_R16G16B16A16_SFLOAT || format == VK_FORMAT_R32_SFLOAT ||
+                            format == VK_FORMAT_R32G32_SFLOAT || format == VK_FORMAT_R32G32B32A32_SFLOAT ||
+                            format == VK_FORMAT_D32_SFLOAT;
+      if (is_float && graph.resources[r].lifetime != graph::Lifetime::HistoryPrev)
+        graph.readback(graph.resources[r].name, graph::Tex{r});
     }
     renderer.executor().run(graph, {.drop_barrier = request.drop_barrier});
     shot.times = renderer.executor().finish();
@@ -80,7 +84,8 @@ Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
       image::Image image{readbacks[i].desc.size.width, readbacks[i].desc.size.height, 0, {}};
       image.pixels = graph::to_floats(readbacks[i], image.channels);
       const image::NonFinite bad = image::find_non_finite(image);
-      EXPECT_FALSE(bad.any()) << readbacks[i].name << ": " << bad.nan << " NaN, " << bad.inf << " infinite, first at " << bad.first_x << "," << bad.first_y << " of frame " << frame;
+      EXPECT_FALSE(bad.any()) << readbacks[i].name << ": " << bad.nan << " NaN, " << bad.inf << " infinite, first at "
+                              << bad.first_x << "," << bad.first_y << " of frame " << frame;
       if (i < wanted) shot.layers[names[i]] = std::move(image);
     }
     view.previous_camera = view.camera;
@@ -90,7 +95,11 @@ Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
 }
 
 scene::Camera look(glm::vec3 eye, glm::vec3 target, float vfov_deg, glm::vec3 up) {
-  return {.name = "test", .position = eye, .forward = glm::normalize(target - eye), .up = up, .vfov = glm::radians(vfov_deg)};
+  return {.name = "test",
+          .position = eye,
+          .forward = glm::normalize(target - eye),
+          .up = up,
+          .vfov = glm::radians(vfov_deg)};
 }
 
 }  // namespace nf::test

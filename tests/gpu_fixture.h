@@ -1,10 +1,9 @@
-// What GPU tests share: one device with validation on, rendering of a scene into layers, and the rule that any validation
-// message and any NaN or infinity in any target fails the test.
+// What GPU tests share: one device with validation on, rendering of a scene into layers, and the rule that any
+// validation message and any NaN or infinity in any target fails the test.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <filesystem>
+#include <gtest/gtest.h>
 #include <map>
 #include <string>
 
@@ -24,7 +23,8 @@ struct Request {
   scene::Camera camera;
   passes::FrameSettings settings;
   uint32_t frames = 1, seed = 1;
-  bool accumulate = false;
+  bool accumulate = false, alias = true;
+  bool scan = true;  // read every float target back: nothing can share memory then
   int drop_barrier = -1;
 };
 

@@ -1,5 +1,5 @@
-// The graph on the device with small shaders of its own: dispatch and full-screen chains, histories, culling of what nobody
-// reads, replans, and the sector masks of the techniques against plain loops.
+// The graph on the device with small shaders of its own: dispatch and full-screen chains, histories, culling of what
+// nobody reads, replans, and the sector masks of the techniques against plain loops.
 #include <fstream>
 
 #include "gpu_fixture.h"
@@ -16,7 +16,8 @@ class GraphOnDevice : public GpuTest {
   void SetUp() override {
     const std::filesystem::path folder = temporary("shaders");
     std::filesystem::create_directories(folder);
-    std::filesystem::create_directory_symlink(std::filesystem::path(NF_SOURCE_DIR) / "shaders" / "common", folder / "common");
+    std::filesystem::create_directory_symlink(std::filesystem::path(NF_SOURCE_DIR) / "shaders" / "common",
+                                              folder / "common");
     write(folder / "fill.comp", R"(#version 460
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform writeonly image2D target;
@@ -46,7 +47,9 @@ void main() {
   if (p.x <= 32 && p.y <= 32) imageStore(target, p, uvec4(sector_mask(p.x, p.y)));
 }
 )");
-    write(folder / "broken.comp", "#version 460\n#include \"common/sectors.glsl\"\nlayout(local_size_x = 8) in;\nvoid main() {\n  undeclared = 1;\n}\n");
+    write(folder / "broken.comp",
+          "#version 460\n#include \"common/sectors.glsl\"\nlayout(local_size_x = 8) in;\nvoid main() {\n  undeclared = "
+          "1;\n}\n");
     gpu::ShaderCompiler compiler(folder, {});
     compiler.add_table(AddBlock::table());
     pipelines_ = std::make_unique<gpu::Pipelines>(device(), std::move(compiler), std::filesystem::path());
@@ -74,15 +77,25 @@ constexpr graph::ImageDesc desc{{20, 12}, VK_FORMAT_R32G32B32A32_SFLOAT};
 TEST_F(GraphOnDevice, ChainsOfDispatchesAndFullscreenPasses) {
   for (int frame = 0; frame < 4; ++frame) {
     graph::Graph graph(executor_->histories());
-    const graph::Tex a = graph.image("a", desc), b = graph.image("b", desc), c = graph.image("c", desc), d = graph.image("d", desc);
+    const graph::Tex a = graph.image("a", desc), b = graph.image("b", desc), c = graph.image("c", desc),
+                     d = graph.image("d", desc);
     graph.compute("fill", pipelines_->compute("fill.comp")).out("target", a).over(a);
-    graph.compute("add", pipelines_->compute("add.comp")).in("source", a).out("target", b).params(AddBlock{.amount = 1}).over(b);
+    graph.compute("add", pipelines_->compute("add.comp"))
+        .in("source", a)
+        .out("target", b)
+        .params(AddBlock{.amount = 1})
+        .over(b);
     graph.fullscreen("double", pipelines_->fullscreen("sampled.frag")).in("source", b).out("color", c);
-    graph.compute("add again", pipelines_->compute("add.comp")).in("source", c).out("target", d).params(AddBlock{.amount = float(frame)}).over(d);
+    graph.compute("add again", pipelines_->compute("add.comp"))
+        .in("source", c)
+        .out("target", d)
+        .params(AddBlock{.amount = float(frame)})
+        .over(d);
     graph.readback("d", d);
     const std::vector<float> out = run(graph);
     for (uint32_t y = 0; y < 12; ++y)
-      for (uint32_t x = 0; x < 20; ++x) ASSERT_EQ(out[(y * 20 + x) * 4], float(2 * (x + 1)) + float(frame)) << x << "," << y << " frame " << frame;
+      for (uint32_t x = 0; x < 20; ++x)
+        ASSERT_EQ(out[(y * 20 + x) * 4], float(2 * (x + 1)) + float(frame)) << x << "," << y << " frame " << frame;
   }
   EXPECT_EQ(executor_->replans(), 1u) << "parameters never replan";
 }
@@ -91,7 +104,11 @@ TEST_F(GraphOnDevice, WhatNobodyReadsIsNotRun) {
   graph::Graph graph;
   const graph::Tex a = graph.image("a", desc), unused = graph.image("unused", desc);
   graph.compute("fill", pipelines_->compute("fill.comp")).out("target", a).over(a);
-  graph.compute("nobody", pipelines_->compute("add.comp")).in("source", a).out("target", unused).params(AddBlock{}).over(unused);
+  graph.compute("nobody", pipelines_->compute("add.comp"))
+      .in("source", a)
+      .out("target", unused)
+      .params(AddBlock{})
+      .over(unused);
   graph.readback("a", a);
   run(graph);
   const graph::FrameResult result = executor_->finish();
@@ -104,8 +121,11 @@ TEST_F(GraphOnDevice, HistoriesCountFramesAndStartAnewWhenInvalidated) {
   const auto frame = [&] {
     graph::Graph graph(executor_->histories());
     const graph::History count = graph.history("count", desc);
-    graph.compute("count", pipelines_->compute("add.comp")).in("source", count.prev).out("target", count.next)
-        .params(AddBlock{.amount = 1, .valid = count.valid}).over(count.next);
+    graph.compute("count", pipelines_->compute("add.comp"))
+        .in("source", count.prev)
+        .out("target", count.next)
+        .params(AddBlock{.amount = 1, .valid = count.valid})
+        .over(count.next);
     graph.readback("count", count.next);
     return std::pair(run(graph)[5], count.valid);
   };
@@ -136,7 +156,8 @@ TEST_F(GraphOnDevice, AWrongGraphIsRefusedWithAllItsFaults) {
     FAIL() << "not refused";
   } catch (const Error& e) {
     EXPECT_EQ(e.exit(), Exit::Internal);
-    for (const char* part : {"sauce", "source", "'add'", "gpu_graph_test.cpp:"}) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << part << " in " << e.what();
+    for (const char* part : {"sauce", "source", "'add'", "gpu_graph_test.cpp:"})
+      EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << part << " in " << e.what();
   }
 }
 

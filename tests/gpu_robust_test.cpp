@@ -1,7 +1,7 @@
-// Robustness of the whole frame: odd sizes, repeats, validation's negative control, swaps of the technique, empty pictures, and
-// golden images as change detectors.
-#include "gpu_fixture.h"
+// Robustness of the whole frame: odd sizes, repeats, validation's negative control, swaps of the technique, empty
+// pictures, and golden images as change detectors.
 #include "core/log.h"
+#include "gpu_fixture.h"
 #include "scenes.h"
 
 namespace nf::test {
@@ -14,8 +14,10 @@ Builder small_room() {
   Builder b;
   const auto white = b.material({.base_color = vec3(0.7f)});
   b.room({0, 1, 0}, vec3(1, 1, 1), white);
-  b.box({0.3f, 0.3f, -0.2f}, vec3(0.3f), 0.4f, b.material({.base_color = vec3(0.8f, 0.3f, 0.2f), .metallic = 0.5f, .roughness = 0.3f}));
-  b.quad({-0.3f, 1.98f, -0.3f}, {0.3f, 1.98f, -0.3f}, {0.3f, 1.98f, 0.3f}, {-0.3f, 1.98f, 0.3f}, b.material({.emissive = vec3(8)}));
+  b.box({0.3f, 0.3f, -0.2f}, vec3(0.3f), 0.4f,
+        b.material({.base_color = vec3(0.8f, 0.3f, 0.2f), .metallic = 0.5f, .roughness = 0.3f}));
+  b.quad({-0.3f, 1.98f, -0.3f}, {0.3f, 1.98f, -0.3f}, {0.3f, 1.98f, 0.3f}, {-0.3f, 1.98f, 0.3f},
+         b.material({.emissive = vec3(8)}));
   b.point_light({-0.5f, 1.5f, 0.4f}, 1);
   b.directional_light({0.2f, -1, 0.1f}, 2);
   return b;
@@ -27,7 +29,8 @@ class Robust : public GpuTest {};
 
 TEST_F(Robust, OddSizes) {
   const scene::Scene scene = load(small_room());
-  for (const glm::uvec2 size : {glm::uvec2(1, 1), glm::uvec2(3, 5), glm::uvec2(319, 181), glm::uvec2(2, 1), glm::uvec2(1, 64)}) {
+  for (const glm::uvec2 size :
+       {glm::uvec2(1, 1), glm::uvec2(3, 5), glm::uvec2(319, 181), glm::uvec2(2, 1), glm::uvec2(1, 64)}) {
     const Shot shot = shoot(scene, {.size = size, .camera = inside, .frames = 2});
     EXPECT_EQ(shot.layer("").width, size.x);
     EXPECT_EQ(shot.layer("").height, size.y);
@@ -71,6 +74,22 @@ TEST_F(Robust, ValidationReportsAMissingBarrier) {
   EXPECT_EQ(reported, tried);
 }
 
+// Transients that share memory give the same bytes as ones that do not.
+TEST_F(Robust, AliasingChangesNothing) {
+  const scene::Scene scene = load(small_room());
+  Request request{.size = {97, 61}, .camera = inside, .frames = 3, .scan = false};
+  const Shot shared = shoot(scene, request);
+  request.alias = false;
+  const Shot apart = shoot(scene, request);
+  EXPECT_LT(double(shared.plan.placed_bytes), 0.95 * double(shared.plan.unaliased_bytes))
+      << "nothing was aliased at all";
+  EXPECT_EQ(apart.plan.placed_bytes, apart.plan.unaliased_bytes);
+  EXPECT_EQ(shared.picture, apart.picture);
+  for (const auto& [name, image] : shared.layers) EXPECT_EQ(image.pixels, apart.layer(name).pixels) << name;
+  std::printf("placed %.2f, max live %.2f, unaliased %.2f MiB\n", double(shared.plan.placed_bytes) / 1048576,
+              double(shared.plan.max_live_bytes) / 1048576, double(shared.plan.unaliased_bytes) / 1048576);
+}
+
 TEST_F(Robust, TechniqueSwapsKeepTheRest) {
   const scene::Scene scene = load(small_room());
   passes::FrameSettings with, without;
@@ -83,7 +102,8 @@ TEST_F(Robust, TechniqueSwapsKeepTheRest) {
   // Final radiance is the sum of its parts.
   for (size_t i = 0; i < a.layer("").pixels.size(); ++i) {
     if (i % 4 == 3) continue;
-    const float sum = a.layer("direct").pixels[i] + a.layer("ambient").pixels[i] + a.layer("indirect").pixels[i] + a.layer("emissive").pixels[i];
+    const float sum = a.layer("direct").pixels[i] + a.layer("ambient").pixels[i] + a.layer("indirect").pixels[i] +
+                      a.layer("emissive").pixels[i];
     ASSERT_NEAR(a.layer("").pixels[i], sum, 2e-3f * std::max(1.0f, sum));
   }
 }
@@ -111,7 +131,8 @@ TEST_F(Robust, VelocityOfAMovedNode) {
 
 // Golden images: they tell that something changed, not that it is right. NEARFIELD_UPDATE_GOLDEN=1 writes them anew.
 TEST_F(Robust, GoldenImages) {
-  const std::pair<const char*, std::vector<uint8_t>> scenes[] = {{"cornell", content::cornell()}, {"fence", content::fence()}, {"furnace", content::furnace()}};
+  const std::pair<const char*, std::vector<uint8_t>> scenes[] = {
+      {"cornell", content::cornell()}, {"fence", content::fence()}, {"furnace", content::furnace()}};
   for (const auto& [name, glb] : scenes) {
     const std::filesystem::path path = temporary(std::string(name) + ".glb");
     std::FILE* file = std::fopen(path.c_str(), "wb");
@@ -124,7 +145,8 @@ TEST_F(Robust, GoldenImages) {
     image::Image8 now{160, 90, 3, {}};
     for (size_t i = 0; i < shot.picture.size(); ++i)
       if (i % 4 < 3) now.pixels.push_back(uint8_t(shot.picture[i]));
-    const std::filesystem::path golden = std::filesystem::path(NF_SOURCE_DIR) / "tests" / "golden" / (std::string(name) + ".png");
+    const std::filesystem::path golden =
+        std::filesystem::path(NF_SOURCE_DIR) / "tests" / "golden" / (std::string(name) + ".png");
     if (std::getenv("NEARFIELD_UPDATE_GOLDEN")) {
       image::write_png(golden, now);
       continue;
@@ -133,7 +155,8 @@ TEST_F(Robust, GoldenImages) {
     ASSERT_EQ(before.width, 160u);
     size_t changed = 0;
     for (size_t i = 0; i < now.pixels.size(); ++i) changed += std::abs(int(now.pixels[i]) - int(before.pixels[i])) > 5;
-    EXPECT_LE(changed, now.pixels.size() / 1000) << name << ": " << changed << " of " << now.pixels.size() << " channel values differ by more than 5/255";
+    EXPECT_LE(changed, now.pixels.size() / 1000)
+        << name << ": " << changed << " of " << now.pixels.size() << " channel values differ by more than 5/255";
   }
 }
 

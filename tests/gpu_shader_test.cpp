@@ -1,5 +1,5 @@
-// Shaders: every parameter block in SPIR-V against its table, every shader of the engine compiles for both ways to fetch, the
-// cache gives the same words.
+// Shaders: every parameter block in SPIR-V against its table, every shader of the engine compiles for both ways to
+// fetch, the cache gives the same words.
 #include <fstream>
 
 #include "gpu_fixture.h"
@@ -16,16 +16,24 @@ std::vector<const ParamTable*> all_tables() {
 
 // One shader a table, which uses every member, so that none is optimised away.
 TEST(Shaders, ParameterBlocksHaveTheOffsetsOfTheirTables) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("nearfield-offsets-{}", getpid());
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / fmt::format("nearfield-offsets-{}", getpid());
   std::filesystem::create_directories(folder);
   for (const ParamTable* table : all_tables()) {
     std::string uses;
     for (const Param& p : table->params) {
       const bool matrix = p.type == ParamType::Mat4;
-      uses += fmt::format("  sum += float({}.{}{});\n", table->prefix, p.name, matrix ? "[0][0]" : p.type == ParamType::Vec2 || p.type == ParamType::Vec3 || p.type == ParamType::Vec4 || p.type == ParamType::IVec2 || p.type == ParamType::UVec2 ? ".x" : "");
+      uses += fmt::format("  sum += float({}.{}{});\n", table->prefix, p.name,
+                          matrix ? "[0][0]"
+                          : p.type == ParamType::Vec2 || p.type == ParamType::Vec3 || p.type == ParamType::Vec4 ||
+                                  p.type == ParamType::IVec2 || p.type == ParamType::UVec2
+                              ? ".x"
+                              : "");
     }
-    std::ofstream(folder / "block.comp") << "#version 460\n#include \"params/" << table->prefix << "\"\nlayout(local_size_x = 8) in;\nuniform writeonly image2D target;\n"
-                                         << "void main() {\n  float sum = 0.0;\n" << uses << "  imageStore(target, ivec2(0), vec4(sum));\n}\n";
+    std::ofstream(folder / "block.comp") << "#version 460\n#include \"params/" << table->prefix
+                                         << "\"\nlayout(local_size_x = 8) in;\nuniform writeonly image2D target;\n"
+                                         << "void main() {\n  float sum = 0.0;\n"
+                                         << uses << "  imageStore(target, ivec2(0), vec4(sum));\n}\n";
     gpu::ShaderCompiler compiler(folder, {});
     compiler.add_table(*table);
     const gpu::CompiledProgram program = compiler.compile({"block.comp"}, {});
@@ -54,17 +62,21 @@ TEST(Shaders, BothWaysToFetchCompile) {
     for (const char* file : {"gi/vbgi.comp"}) {
       const gpu::CompiledProgram program = compiler.compile({file}, {});
       ASSERT_TRUE(program.interface.find("depth"));
-      EXPECT_EQ(program.interface.find("depth")->kind, storage ? gpu::SlotKind::StorageImage : gpu::SlotKind::SampledImage);
+      EXPECT_EQ(program.interface.find("depth")->kind,
+                storage ? gpu::SlotKind::StorageImage : gpu::SlotKind::SampledImage);
     }
-    for (const char* file : {"direct.frag", "composite.frag"}) EXPECT_FALSE(compiler.compile({"common/fullscreen.vert", file}, {}).interface.slots.empty());
+    for (const char* file : {"direct.frag", "composite.frag"})
+      EXPECT_FALSE(compiler.compile({"common/fullscreen.vert", file}, {}).interface.slots.empty());
   }
 }
 
 TEST(Shaders, TheCacheGivesTheSameWordsAndIgnoresDamage) {
-  const std::filesystem::path cache = std::filesystem::temp_directory_path() / fmt::format("nearfield-cache-{}", getpid());
+  const std::filesystem::path cache =
+      std::filesystem::temp_directory_path() / fmt::format("nearfield-cache-{}", getpid());
   std::filesystem::create_directories(cache);
   const gpu::ShaderCompiler compiler = engine_compiler(true, cache);
-  const gpu::CompiledProgram first = compiler.compile({"gi/vbgi.comp"}, {}), second = compiler.compile({"gi/vbgi.comp"}, {});
+  const gpu::CompiledProgram first = compiler.compile({"gi/vbgi.comp"}, {}),
+                             second = compiler.compile({"gi/vbgi.comp"}, {});
   EXPECT_FALSE(first.from_cache);
   EXPECT_TRUE(second.from_cache);
   EXPECT_EQ(first.stages[0].spirv, second.stages[0].spirv);

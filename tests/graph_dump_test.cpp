@@ -1,11 +1,10 @@
 // The topology hash, and graphs and plans as JSON and text.
-#include "graph/dump.h"
-
 #include <functional>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "graph/dump.h"
 #include "graph_values.h"
 
 namespace nf::graph {
@@ -32,7 +31,8 @@ struct Variant {
 class GraphValueTest : public testing::Test {
  protected:
   Shaders shaders;
-  const gpu::Slot block{.name = "tint", .kind = gpu::SlotKind::UniformBlock, .block_size = 4, .members = {{"strength", 0}}};
+  const gpu::Slot block{
+      .name = "tint", .kind = gpu::SlotKind::UniformBlock, .block_size = 4, .members = {{"strength", 0}}};
   const gpu::Pipeline source = shaders.make({storage_out("value")});
   const gpu::Pipeline filter = shaders.make({sampled("from"), sampled("other"), storage_out("value"), block});
   const gpu::Pipeline twin = shaders.make({sampled("from"), sampled("other"), storage_out("value"), block});
@@ -112,15 +112,21 @@ class GraphDumpTest : public GraphValueTest {
     const Buf lights = graph.import("lights", buffer);
     graph.compute("source", source, "Makes a").out("value", a).over(a);
     graph.compute("dead", source).out("value", d).over(d);
-    graph.compute("accumulate", mix).in("from", a).in("before", h.prev).in("lights", lights).out("value", h.next).over(h.next);
+    graph.compute("accumulate", mix)
+        .in("from", a)
+        .in("before", h.prev)
+        .in("lights", lights)
+        .out("value", h.next)
+        .over(h.next);
     graph.fullscreen("show", show).in("from", h.next).out("color", c);
     graph.readback("out", c);
     EXPECT_TRUE(validate(graph).empty());
     plan = compile(graph);
   }
-  const gpu::Pipeline mix =
-      shaders.make({sampled("from"), storage_in("before"), storage_out("value"),
-                    {.name = "lights", .kind = gpu::SlotKind::StorageBuffer, .readonly = true}});
+  const gpu::Pipeline mix = shaders.make({sampled("from"),
+                                          storage_in("before"),
+                                          storage_out("value"),
+                                          {.name = "lights", .kind = gpu::SlotKind::StorageBuffer, .readonly = true}});
   const gpu::Buffer buffer{.size = 160};
   Graph graph;
   Plan plan;
@@ -175,8 +181,10 @@ TEST_F(GraphDumpTest, JsonTellsWhatHappens) {
   ASSERT_EQ(passes[3]["barriers"].size(), 2u);  // what it samples, what it draws to: by row of the resource
   for (const json& barrier : passes[3]["barriers"])
     for (const char* key : {"resource", "src", "dst", "from", "to"}) EXPECT_TRUE(barrier[key].is_string()) << key;
-  EXPECT_EQ(passes[3]["barriers"][1], json({{"resource", "mean"}, {"src", "compute"}, {"dst", "fragment"},
-                                            {"from", "general"}, {"to", "shader_read"}}));
+  EXPECT_EQ(
+      passes[3]["barriers"][1],
+      json(
+          {{"resource", "mean"}, {"src", "compute"}, {"dst", "fragment"}, {"from", "general"}, {"to", "shader_read"}}));
   const json& dead = doc["resources"][1];
   EXPECT_EQ(dead["name"], "d");
   EXPECT_TRUE(dead["first"].is_null());
@@ -191,8 +199,8 @@ TEST_F(GraphDumpTest, JsonTellsWhatHappens) {
 
 TEST_F(GraphDumpTest, TextNamesEverything) {
   const std::string text = to_text(graph, plan);
-  for (const char* word : {"source", "dead", "accumulate", "show", "out", "culled", "mean.prev", "lights", "64x32", "unused",
-                           "(history)", "fullscreen", "memory:"})
+  for (const char* word : {"source", "dead", "accumulate", "show", "out", "culled", "mean.prev", "lights", "64x32",
+                           "unused", "(history)", "fullscreen", "memory:"})
     EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
   EXPECT_NE(text.find(fmt::format("{} barriers", plan.barriers.size())), std::string::npos) << text;
 }

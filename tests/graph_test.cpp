@@ -1,10 +1,9 @@
 // compile() on graphs small enough to know the answer: culling, order, lifetimes, barriers, load and store, memory; the
 // topology hash; the dump.
-#include "graph/dump.h"
-
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "graph/dump.h"
 #include "graph_values.h"
 
 namespace nf::graph {
@@ -19,8 +18,8 @@ constexpr VkFormat r32 = VK_FORMAT_R32_SFLOAT, d32 = VK_FORMAT_D32_SFLOAT;
 class GraphTest : public testing::Test {
  protected:
   Shaders shaders;
-  const gpu::Pipeline source = shaders.make({storage_out("value")});                     // writes
-  const gpu::Pipeline filter = shaders.make({sampled("from"), storage_out("value")});    // samples one, writes one
+  const gpu::Pipeline source = shaders.make({storage_out("value")});                      // writes
+  const gpu::Pipeline filter = shaders.make({sampled("from"), storage_out("value")});     // samples one, writes one
   const gpu::Pipeline loader = shaders.make({storage_in("from"), storage_out("value")});  // the same by imageLoad
   const gpu::Pipeline modify = shaders.make({storage_inout("value")});
   const gpu::Pipeline paint = shaders.make({}, {"color"});
@@ -44,7 +43,7 @@ class GraphTest : public testing::Test {
   uint32_t add_readback(Tex tex) { return graph.readback("readback", tex), row(); }
   Plan plan() const {
     for (const Diagnostic& d : validate(graph)) ADD_FAILURE() << d.text;
-    return compile(graph);
+    return compile(graph, {.alias = false});
   }
 };
 
@@ -144,7 +143,8 @@ TEST_F(GraphTest, HistoryNobodyReadsIsCulled) {
 }
 
 TEST_F(GraphTest, HistoryIsValidWhenTheLastFrameWroteTheSame) {
-  const HistoryState states[] = {{"written", desc, true}, {"unwritten", desc, false}, {"resized", {{32, 32}, r32}, true}};
+  const HistoryState states[] = {
+      {"written", desc, true}, {"unwritten", desc, false}, {"resized", {{32, 32}, r32}, true}};
   Graph g(states);
   EXPECT_TRUE(g.history("written", desc).valid);
   EXPECT_FALSE(g.history("unwritten", desc).valid);

@@ -12,7 +12,9 @@ constexpr VkFormat r32 = VK_FORMAT_R32_SFLOAT;
 #define NF_TINT_PARAMS(P) P(Float, strength, 1.0f, 0.0f, 4.0f, "", "Strength") P(Int, steps, 1, 0, 4, "", "Steps")
 NF_DECLARE_PARAMS(TintParams, "tint", NF_TINT_PARAMS)
 
-std::string line_of(const Location& at) { return fmt::format("tests/graph_validate_test.cpp:{}", at.line()); }
+std::string line_of(const Location& at) {
+  return fmt::format("tests/graph_validate_test.cpp:{}", at.line);
+}
 
 class ValidateTest : public testing::Test {
  protected:
@@ -57,14 +59,21 @@ TEST_F(ValidateTest, CorrectGraphReportsNothing) {
   const Tex depth = graph.image("depth", {{64, 32}, VK_FORMAT_D32_SFLOAT});
   const History h = graph.history("mean", desc);
   const gpu::Pipeline everything =
-      shaders.make({sampled("from"), storage_in("before", r32), storage_out("value", r32), storage_inout("sum"),
+      shaders.make({sampled("from"),
+                    storage_in("before", r32),
+                    storage_out("value", r32),
+                    storage_inout("sum"),
                     {.name = "lights", .kind = gpu::SlotKind::StorageBuffer, .readonly = true},
                     {.name = "linear_clamp", .kind = gpu::SlotKind::Sampler},
                     block});
   graph.share(TintParams{});
   graph.compute("everything", everything)
-      .in("from", a).in("before", h.prev).in("lights", graph.import("lights", buffer)).out("value", h.next)
-      .inout("sum", sum).over(a);
+      .in("from", a)
+      .in("before", h.prev)
+      .in("lights", graph.import("lights", buffer))
+      .out("value", h.next)
+      .inout("sum", sum)
+      .over(a);
   graph.raster("draw", paint).out("color", color, {0, 0, 0, 0}).depth(depth, 0.0f);
   graph.fullscreen("again", paint).out("color", color);
   graph.compute("tinted", tinted).out("value", b).params(TintParams{}).over(b);
@@ -111,7 +120,10 @@ TEST_F(ValidateTest, OutputAndBlockNotFed) {
 
 TEST_F(ValidateTest, InputOfAWriteonlyImage) {
   const Tex a = written("a"), b = image("b");
-  graph.compute("copy", shaders.make({storage_out("from"), storage_out("value")})).in("from", a, used).out("value", b).over(b);
+  graph.compute("copy", shaders.make({storage_out("from"), storage_out("value")}))
+      .in("from", a, used)
+      .out("value", b)
+      .over(b);
   expect(Kind::Direction, words("copy", "from", "a"));
 }
 
@@ -139,7 +151,10 @@ TEST_F(ValidateTest, InoutOfAnImageUsedOneWay) {
 TEST_F(ValidateTest, AnotherKindOfDescriptor) {
   const Tex a = written("a"), b = image("b");
   const gpu::Slot buffer_slot{.name = "from", .kind = gpu::SlotKind::StorageBuffer, .readonly = true};
-  graph.compute("filter", shaders.make({buffer_slot, storage_out("value")})).in("from", a, used).out("value", b).over(b);
+  graph.compute("filter", shaders.make({buffer_slot, storage_out("value")}))
+      .in("from", a, used)
+      .out("value", b)
+      .over(b);
   expect(Kind::Direction, words("filter", "from", "a"));
   graph = Graph();
   const Tex c = graph.image("c", desc);
@@ -149,15 +164,41 @@ TEST_F(ValidateTest, AnotherKindOfDescriptor) {
 
 TEST_F(ValidateTest, BufferThatTheShaderWrites) {
   const Tex a = image("a");
-  const gpu::Pipeline writer = shaders.make({storage_out("value"), {.name = "lights", .kind = gpu::SlotKind::StorageBuffer}});
-  graph.compute("light", writer).in("lights", graph.import("light table", buffer, declared), used).out("value", a).over(a);
+  const gpu::Pipeline writer =
+      shaders.make({storage_out("value"), {.name = "lights", .kind = gpu::SlotKind::StorageBuffer}});
+  graph.compute("light", writer)
+      .in("lights", graph.import("light table", buffer, declared), used)
+      .out("value", a)
+      .over(a);
   expect(Kind::Direction, words("light", "lights", "light table"));
 }
 
 TEST_F(ValidateTest, HistoryPrevIsNotWritten) {
   const History h = graph.history("mean", desc, declared);
+  graph.compute("keep", source).out("value", h.next).over(h.next);
   graph.compute("write", source).out("value", h.prev, used).over(h.prev);
   expect(Kind::Direction, words("write", "value", "mean"));
+}
+
+TEST_F(ValidateTest, HistoryThatNobodyWrites) {
+  const History h = graph.history("mean", desc, declared);
+  const Tex out = image("out");
+  graph.compute("show", shaders.make({storage_in("from"), storage_out("value")}))
+      .in("from", h.prev, used)
+      .out("value", out)
+      .over(out);
+  expect(Kind::ReadBeforeWrite, words("show", "from", "mean"));
+}
+
+TEST_F(ValidateTest, SlotFedTwice) {
+  const Tex a = written("a"), b = image("b");
+  const Tex c = written("c");
+  graph.compute("show", shaders.make({storage_in("from"), storage_out("value")}))
+      .in("from", c)
+      .in("from", a, used)
+      .out("value", b)
+      .over(b);
+  expect(Kind::UsedTwice, words("show", "from", "a"));
 }
 
 TEST_F(ValidateTest, FormatMismatch) {
@@ -224,7 +265,11 @@ TEST_F(ValidateTest, UsedTwiceInTwoLayouts) {
 
 TEST_F(ValidateTest, TwoReadsOfOneKindAreFine) {
   const Tex a = written("a"), b = image("b");
-  graph.compute("both", shaders.make({sampled("x"), sampled("y"), storage_out("value")})).in("x", a).in("y", a).out("value", b).over(b);
+  graph.compute("both", shaders.make({sampled("x"), sampled("y"), storage_out("value")}))
+      .in("x", a)
+      .in("y", a)
+      .out("value", b)
+      .over(b);
   EXPECT_TRUE(validate(graph).empty());
 }
 
@@ -249,7 +294,10 @@ TEST_F(ValidateTest, BlockOfAnotherSize) {
   const Tex a = image("a");
   gpu::Slot longer = block;
   longer.block_size = 12;
-  graph.compute("tinted", shaders.make({storage_out("value"), longer})).out("value", a).params(TintParams{}, used).over(a);
+  graph.compute("tinted", shaders.make({storage_out("value"), longer}))
+      .out("value", a)
+      .params(TintParams{}, used)
+      .over(a);
   expect(Kind::BlockMismatch, {"tinted", "'tint'", "12", "8", line_of(used)});
 }
 
@@ -258,26 +306,32 @@ TEST_F(ValidateTest, BlockOfAnotherOrder) {
   const Tex a = image("a");
   gpu::Slot turned = block;
   turned.members = {{"steps", 0}, {"strength", 4}};
-  graph.compute("tinted", shaders.make({storage_out("value"), turned})).out("value", a).params(TintParams{}, used).over(a);
+  graph.compute("tinted", shaders.make({storage_out("value"), turned}))
+      .out("value", a)
+      .params(TintParams{}, used)
+      .over(a);
   expect(Kind::BlockMismatch, {"tinted", "'tint'", line_of(used)});
 }
 
 // One of each of five kinds in five passes, and the lines are the callers' own without being passed.
 TEST_F(ValidateTest, CollectsEveryFault) {
   const Tex a = graph.image("a", desc), b = graph.image("b", desc), small = graph.image("small", {{8, 8}, r32});
-  graph.compute("one", source).out("value", a).out("extra", b).over(a);                  // SlotMissing
-  graph.compute("two", filter).out("value", a).over(a);                                  // SlotNotFed
-  graph.compute("three", shaders.make({storage_in("value")})).out("value", a).over(a);   // Direction
+  graph.compute("one", source).out("value", a).out("extra", b).over(a);                 // SlotMissing
+  graph.compute("two", filter).out("value", a).over(a);                                 // SlotNotFed
+  graph.compute("three", shaders.make({storage_in("value")})).out("value", a).over(a);  // Direction
   const Location at = Location::current();
-  graph.compute("four", source).out("value", small).over(a);                             // SizeMismatch
-  graph.compute("five", filter).in("from", Tex{500}).out("value", a).over(a);            // StaleHandle
+  graph.compute("four", source).out("value", small).over(a);                   // SizeMismatch
+  graph.compute("five", filter).in("from", Tex{500}).out("value", a).over(a);  // StaleHandle
   const auto found = validate(graph);
   std::vector<Kind> kinds;
   for (const Diagnostic& d : found) kinds.push_back(d.kind);
-  EXPECT_EQ(kinds, (std::vector<Kind>{Kind::SlotMissing, Kind::SlotNotFed, Kind::Direction, Kind::SizeMismatch, Kind::StaleHandle}));
+  EXPECT_EQ(kinds, (std::vector<Kind>{Kind::SlotMissing, Kind::SlotNotFed, Kind::Direction, Kind::SizeMismatch,
+                                      Kind::StaleHandle}));
   ASSERT_EQ(found.size(), 5u);
-  EXPECT_NE(found[3].text.find(fmt::format("graph_validate_test.cpp:{},", at.line() + 1)), std::string::npos) << found[3].text;
-  EXPECT_NE(found[3].text.find(fmt::format("graph_validate_test.cpp:{})", at.line() - 4)), std::string::npos) << found[3].text;
+  EXPECT_NE(found[3].text.find(fmt::format("graph_validate_test.cpp:{},", at.line + 1)), std::string::npos)
+      << found[3].text;
+  EXPECT_NE(found[3].text.find(fmt::format("graph_validate_test.cpp:{})", at.line - 4)), std::string::npos)
+      << found[3].text;
 }
 
 // Several faults of one pass are all there, too.

@@ -9,7 +9,9 @@
 
 namespace nf::graph {
 
-inline gpu::Slot sampled(std::string name) { return {.name = std::move(name), .kind = gpu::SlotKind::SampledImage}; }
+inline gpu::Slot sampled(std::string name) {
+  return {.name = std::move(name), .kind = gpu::SlotKind::SampledImage};
+}
 inline gpu::Slot storage_in(std::string name, VkFormat format = VK_FORMAT_UNDEFINED) {
   return {.name = std::move(name), .kind = gpu::SlotKind::StorageImage, .readonly = true, .format = format};
 }

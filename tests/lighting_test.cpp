@@ -1,6 +1,5 @@
 // Lighting mathematics off the device: the reflectance table and the shadow map's fit.
 #include <gtest/gtest.h>
-
 #include <random>
 
 #include "environment.h"
@@ -25,7 +24,8 @@ glm::vec2 brute_force(float n_v, float roughness) {
       const double length = std::sqrt(hx * hx + hy * hy + hz * hz);
       hx /= length, hy /= length, hz /= length;
       const double d = hz * hz * (a2 - 1) + 1, distribution = a2 / (pi * d * d);
-      const double smith = 0.5 / (double(n_v) * std::sqrt(n_l * n_l * (1 - a2) + a2) + n_l * std::sqrt(double(n_v) * n_v * (1 - a2) + a2));
+      const double smith = 0.5 / (double(n_v) * std::sqrt(n_l * n_l * (1 - a2) + a2) +
+                                  n_l * std::sqrt(double(n_v) * n_v * (1 - a2) + a2));
       const double v_h = vx * hx + double(n_v) * hz, fresnel = std::pow(1 - v_h, 5);
       const double weight = distribution * smith * n_l * 2 * pi / n / n;
       x += weight * (1 - fresnel);
@@ -39,7 +39,8 @@ TEST(Reflectance, TableEqualsQuadrature) {
   ASSERT_EQ(table.size(), size_t(reflectance_side) * reflectance_side);
   for (const uint32_t row : {5u, 9u, 15u})
     for (const uint32_t column : {2u, 8u, 15u}) {
-      const glm::vec2 expected = brute_force((float(column) + 0.5f) / reflectance_side, (float(row) + 0.5f) / reflectance_side);
+      const glm::vec2 expected =
+          brute_force((float(column) + 0.5f) / reflectance_side, (float(row) + 0.5f) / reflectance_side);
       const glm::vec2 got = table[row * reflectance_side + column];
       EXPECT_NEAR(got.x, expected.x, 6e-3f) << row << "," << column;
       EXPECT_NEAR(got.y, expected.y, 6e-3f) << row << "," << column;
@@ -54,7 +55,8 @@ TEST(Shadow, FitCoversTheBoundsFromEveryDirection) {
   std::uniform_real_distribution<float> any(-1, 1);
   const scene::Bounds bounds{{-3, 0, -1}, {5, 2, 7}};
   for (int i = 0; i < 200; ++i) {
-    const glm::vec3 direction = i == 0 ? glm::vec3(0, -1, 0) : glm::normalize(glm::vec3(any(engine), any(engine), any(engine)));
+    const glm::vec3 direction =
+        i == 0 ? glm::vec3(0, -1, 0) : glm::normalize(glm::vec3(any(engine), any(engine), any(engine)));
     float extent = 0;
     const glm::mat4 clip = fit_shadow(bounds, direction, extent);
     EXPECT_GT(extent, 0);

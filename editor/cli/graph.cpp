@@ -1,6 +1,5 @@
 // `nearfield graph`: the frame's passes, barriers and memory.
 #include <fmt/format.h>
-
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -30,7 +29,7 @@ Command add_graph(CLI::App& parent) {
             view.camera = view.previous_camera = scene::select_view(state->view, scene);
             view.size = size;
             gpu::Device device(device_options(*state));
-            passes::Renderer renderer(device, scene);
+            passes::Renderer renderer(device, scene, !state->no_alias);
             graph::Graph graph(renderer.executor().histories());
             const passes::FrameOutputs outputs = renderer.build(graph, view, settings);
             graph.readback("picture", renderer.add_picture(graph, outputs, settings));
@@ -39,7 +38,7 @@ Command add_graph(CLI::App& parent) {
               for (const auto& d : wrong) text += "\n  " + d.text;
               throw Error(Exit::Internal, text);
             }
-            const graph::Plan plan = graph::compile(graph);
+            const graph::Plan plan = renderer.executor().plan_for(graph);
             if (state->format == "json")
               fmt::print("{}\n", graph::to_json(graph, plan).dump(1));
             else

@@ -1,6 +1,5 @@
 // `nearfield info`: devices, techniques, parameters, scenes.
 #include <fmt/format.h>
-
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -14,26 +13,41 @@ using nlohmann::json;
 
 const char* type_text(ParamType type) {
   switch (type) {
-    case ParamType::Float: return "float";
-    case ParamType::Int: return "int";
-    case ParamType::Bool: return "bool";
-    case ParamType::Choice: return "choice";
-    default: return "";
+    case ParamType::Float:
+      return "float";
+    case ParamType::Int:
+      return "int";
+    case ParamType::Bool:
+      return "bool";
+    case ParamType::Choice:
+      return "choice";
+    default:
+      return "";
   }
 }
 
 json devices_json() {
   json out = json::array();
   for (const gpu::DeviceInfo& d : gpu::list_devices())
-    out.push_back({{"index", d.index}, {"name", d.name}, {"type", d.type}, {"driver", d.driver}, {"driver_info", d.driver_info}, {"api", d.api},
-                   {"usable", d.missing.empty()}, {"missing", d.missing}});
+    out.push_back({{"index", d.index},
+                   {"name", d.name},
+                   {"type", d.type},
+                   {"driver", d.driver},
+                   {"driver_info", d.driver_info},
+                   {"api", d.api},
+                   {"usable", d.missing.empty()},
+                   {"missing", d.missing}});
   return out;
 }
 
 json techniques_json() {
   json out = json::array();
   for (const passes::Technique& t : passes::techniques())
-    out.push_back({{"id", t.id}, {"name", t.name}, {"paper", t.paper}, {"outputs", t.outputs}, {"modes", t.paper_mode ? json({"radiometric", "paper"}) : json({"radiometric"})}});
+    out.push_back({{"id", t.id},
+                   {"name", t.name},
+                   {"paper", t.paper},
+                   {"outputs", t.outputs},
+                   {"modes", t.paper_mode ? json({"radiometric", "paper"}) : json({"radiometric"})}});
   return out;
 }
 
@@ -46,12 +60,16 @@ json params_json(const std::string& technique) {
     if (!wanted) {
       const passes::Technique& t = passes::find_technique(technique);
       bool of_other = false;
-      for (const passes::Technique& other : passes::techniques()) of_other |= &other != &t && other.params(settings.gi).table == block.table;
+      for (const passes::Technique& other : passes::techniques())
+        of_other |= &other != &t && other.params(settings.gi).table == block.table;
       wanted = !of_other;
     }
     if (!wanted) continue;
     for (const Param& p : block.table->params) {
-      json row = {{"id", fmt::format("{}.{}", block.table->prefix, p.name)}, {"type", type_text(p.type)}, {"default", params::format(p, p.default_value)}, {"help", p.help}};
+      json row = {{"id", fmt::format("{}.{}", block.table->prefix, p.name)},
+                  {"type", type_text(p.type)},
+                  {"default", params::format(p, p.default_value)},
+                  {"help", p.help}};
       if (p.type == ParamType::Choice)
         row["choices"] = p.unit;
       else if (p.type != ParamType::Bool)
@@ -69,29 +87,45 @@ json scene_json(const std::string& path) {
   uint64_t drawn = 0;
   for (const uint32_t p : s.instances.primitive) drawn += s.primitives[p].index_count / 3;
   const auto vec = [](const glm::vec3& v) { return json({v.x, v.y, v.z}); };
-  return {{"path", path}, {"nodes", s.nodes.size()}, {"primitives", s.primitives.size()}, {"instances", s.instances.size()}, {"triangles", s.triangles()},
-          {"drawn_triangles", drawn}, {"vertices", s.geometry.position.size()}, {"materials", s.materials.size()}, {"pictures", s.pictures.size()},
-          {"textures", s.textures.size()}, {"cameras", cameras}, {"directional_lights", s.directional.size()}, {"punctual_lights", s.punctual.size()},
+  return {{"path", path},
+          {"nodes", s.nodes.size()},
+          {"primitives", s.primitives.size()},
+          {"instances", s.instances.size()},
+          {"triangles", s.triangles()},
+          {"drawn_triangles", drawn},
+          {"vertices", s.geometry.position.size()},
+          {"materials", s.materials.size()},
+          {"pictures", s.pictures.size()},
+          {"textures", s.textures.size()},
+          {"cameras", cameras},
+          {"directional_lights", s.directional.size()},
+          {"punctual_lights", s.punctual.size()},
           {"bounds", {{"min", vec(s.bounds.min)}, {"max", vec(s.bounds.max)}}}};
 }
 
 void print_text(const json& info) {
   if (info.contains("devices"))
     for (const json& d : info["devices"])
-      fmt::print("device {}: {} ({}), Vulkan {}, {} {}{}\n", d["index"].get<int>(), d["name"].get<std::string>(), d["type"].get<std::string>(), d["api"].get<std::string>(),
-                 d["driver"].get<std::string>(), d["driver_info"].get<std::string>(), d["usable"].get<bool>() ? "" : "; unusable, lacks " + d["missing"].get<std::string>());
+      fmt::print("device {}: {} ({}), Vulkan {}, {} {}{}\n", d["index"].get<int>(), d["name"].get<std::string>(),
+                 d["type"].get<std::string>(), d["api"].get<std::string>(), d["driver"].get<std::string>(),
+                 d["driver_info"].get<std::string>(),
+                 d["usable"].get<bool>() ? "" : "; unusable, lacks " + d["missing"].get<std::string>());
   if (info.contains("techniques"))
     for (const json& t : info["techniques"])
-      fmt::print("{:6} {:28} outputs: {:16} {}\n", t["id"].get<std::string>(), t["name"].get<std::string>(), t["outputs"].get<std::string>(), t["paper"].get<std::string>());
+      fmt::print("{:6} {:28} outputs: {:16} {}\n", t["id"].get<std::string>(), t["name"].get<std::string>(),
+                 t["outputs"].get<std::string>(), t["paper"].get<std::string>());
   if (info.contains("params"))
     for (const json& p : info["params"]) {
       const std::string range = p.contains("choices") ? p["choices"].get<std::string>()
-                                : p.contains("min")   ? fmt::format("{} to {} {}", p["min"].get<double>(), p["max"].get<double>(), p["unit"].get<std::string>())
+                                : p.contains("min")   ? fmt::format("{} to {} {}", p["min"].get<double>(),
+                                                                    p["max"].get<double>(), p["unit"].get<std::string>())
                                                       : "true|false";
-      fmt::print("{:26} = {:10} [{}]  {}\n", p["id"].get<std::string>(), p["default"].get<std::string>(), range, p["help"].get<std::string>());
+      fmt::print("{:26} = {:10} [{}]  {}\n", p["id"].get<std::string>(), p["default"].get<std::string>(), range,
+                 p["help"].get<std::string>());
     }
   if (info.contains("scene"))
-    for (const auto& [key, value] : info["scene"].items()) fmt::print("{:20} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    for (const auto& [key, value] : info["scene"].items())
+      fmt::print("{:20} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
 }
 
 }  // namespace
@@ -104,7 +138,10 @@ Command add_info(CLI::App& parent) {
   auto state = std::make_shared<State>();
   CLI::App* app = parent.add_subcommand("info", "Print devices, techniques, parameters, or what is in a scene");
   app->add_flag("--techniques", state->techniques, "GI techniques");
-  CLI::Option* params_flag = app->add_option("--params", state->params_of, "Parameters with range, default and help; of one technique when named")->type_name("[T]")->expected(0, 1);
+  CLI::Option* params_flag = app->add_option("--params", state->params_of,
+                                             "Parameters with range, default and help; of one technique when named")
+                                 ->type_name("[T]")
+                                 ->expected(0, 1);
   app->add_flag("--devices", state->devices, "Vulkan devices, and what unusable ones lack");
   app->add_option("--scene", state->scene, "Contents of a glTF scene")->type_name("FILE");
   app->add_flag("--json", state->as_json, "One JSON document on stdout");

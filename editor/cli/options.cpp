@@ -4,8 +4,10 @@
 #include <atomic>
 #include <charconv>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/log.h"
@@ -17,8 +19,8 @@ std::atomic<bool> stop{false};
 std::string kept_command_line;
 
 extern "C" void on_interrupt(int) {
-  // A second Ctrl-C ends the process at once.
-  if (stop.exchange(true)) std::signal(SIGINT, SIG_DFL);
+  // A second Ctrl-C ends the process at once, in the middle of a frame.
+  if (stop.exchange(true)) std::_Exit(int(Exit::Interrupted));
 }
 
 void apply_preset(CommonOptions& options, passes::FrameSettings& settings) {
@@ -46,12 +48,18 @@ void apply_preset(CommonOptions& options, passes::FrameSettings& settings) {
     } else if (key == "size") {
       if (!options.size_given) options.size = text("size");
     } else if (key == "seed") {
-      if (!value.is_number_unsigned()) fail(Exit::Input, "bad preset '{}': 'seed' must be a whole number", options.preset);
+      if (!value.is_number_unsigned() || value.get<uint64_t>() > std::numeric_limits<uint32_t>::max())
+        fail(Exit::Input, "bad preset '{}': 'seed' must be a whole number, 0 to 4294967295", options.preset);
       if (!options.seed_given) options.seed = value.get<uint32_t>();
     } else if (key == "params") {
-      params::from_json(settings.blocks(), value);
+      try {
+        params::from_json(settings.blocks(), value);
+      } catch (const Error& e) {
+        fail(e.exit(), "cannot read the preset '{}': {}", options.preset, e.what());
+      }
     } else {
-      fail(Exit::Input, "bad preset '{}': unknown key '{}'; there are schema, technique, view, size, seed, params", options.preset, key);
+      fail(Exit::Input, "bad preset '{}': unknown key '{}'; there are schema, technique, view, size, seed, params",
+           options.preset, key);
     }
   }
 }
@@ -65,19 +73,42 @@ void add_log_flags(CLI::App& app, CommonOptions& o) {
 }
 
 void add_render_flags(CLI::App& app, CommonOptions& o) {
-  app.add_option("--device", o.device, "Vulkan device: INDEX, part of its NAME, cpu or gpu (default: the fastest)")->envname("NEARFIELD_DEVICE");
-  app.add_option("--size", o.size, "Picture size in pixels")->type_name("WxH")->capture_default_str()->envname("NEARFIELD_SIZE");
-  app.add_option("--view", o.view, "Camera: a view FILE.json (camera and lights), a camera's NAME in the scene, or its INDEX")->envname("NEARFIELD_VIEW");
-  app.add_option("--technique", o.technique, "GI technique (`nearfield info --techniques`; default vbgi)")->type_name("ID")->envname("NEARFIELD_TECHNIQUE");
-  app.add_option("--mode", o.mode, "Form of the technique")->check(CLI::IsMember({"paper", "radiometric"}))->envname("NEARFIELD_MODE");
-  app.add_option("--set", o.sets, "Set a parameter, e.g. --set gi.radius=2 (repeatable; `nearfield info --params`)")->type_name("ID=VALUE")->allow_extra_args(false);
-  app.add_option("--preset", o.preset, "JSON preset; flags win over it")->type_name("FILE")->envname("NEARFIELD_PRESET");
+  app.add_option("--device", o.device, "Vulkan device: INDEX, part of its NAME, cpu or gpu (default: the fastest)")
+      ->envname("NEARFIELD_DEVICE");
+  app.add_option("--size", o.size, "Picture size in pixels")
+      ->type_name("WxH")
+      ->capture_default_str()
+      ->envname("NEARFIELD_SIZE");
+  app.add_option("--view", o.view,
+                 "Camera: a view FILE.json (camera and lights), a camera's NAME in the scene, or its INDEX")
+      ->envname("NEARFIELD_VIEW");
+  app.add_option("--technique", o.technique, "GI technique (`nearfield info --techniques`; default vbgi)")
+      ->type_name("ID")
+      ->envname("NEARFIELD_TECHNIQUE");
+  app.add_option("--mode", o.mode, "Form of the technique")
+      ->check(CLI::IsMember({"paper", "radiometric"}))
+      ->envname("NEARFIELD_MODE");
+  app.add_option("--set", o.sets, "Set a parameter, e.g. --set gi.radius=2 (repeatable; `nearfield info --params`)")
+      ->type_name("ID=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--preset", o.preset, "JSON preset; flags win over it")
+      ->type_name("FILE")
+      ->envname("NEARFIELD_PRESET");
   app.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->envname("NEARFIELD_SEED");
-  app.add_option("--timing", o.timing, "How passes are timed: serialize (exact, no overlap) or overlap (as the frame really runs)")
-      ->check(CLI::IsMember({"serialize", "overlap"}))->capture_default_str()->envname("NEARFIELD_TIMING");
-  app.add_option("--timeout", o.timeout, "Give up after this many seconds (exit code 6)")->type_name("S")->check(CLI::NonNegativeNumber);
-  app.add_option("--progress", o.progress, "Progress on stderr")->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}))->capture_default_str();
-  app.add_flag("--validation", o.validation, "Vulkan validation, synchronization included; slow")->envname("NEARFIELD_VALIDATION");
+  app.add_option("--timing", o.timing,
+                 "How passes are timed: serialize (exact, no overlap) or overlap (as the frame really runs)")
+      ->check(CLI::IsMember({"serialize", "overlap"}))
+      ->capture_default_str()
+      ->envname("NEARFIELD_TIMING");
+  app.add_option("--timeout", o.timeout, "Give up after this many seconds (exit code 6)")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--progress", o.progress, "Progress on stderr")
+      ->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}))
+      ->capture_default_str();
+  app.add_flag("--validation", o.validation, "Vulkan validation, synchronization included; slow")
+      ->envname("NEARFIELD_VALIDATION");
+  app.add_flag("--no-alias", o.no_alias, "Give every transient image memory of its own");
   add_log_flags(app, o);
   app.parse_complete_callback([&app, &o] {
     o.size_given = app.count("--size") > 0;
@@ -96,15 +127,20 @@ glm::uvec2 parse_size(const std::string& text) {
   const char* end = text.data() + text.size();
   const auto [x, x_error] = std::from_chars(text.data(), end, size.x);
   const bool cross = x_error == std::errc() && x != end && *x == 'x';
-  const auto [y, y_error] = cross ? std::from_chars(x + 1, end, size.y) : std::from_chars_result{end, std::errc::invalid_argument};
+  const auto [y, y_error] =
+      cross ? std::from_chars(x + 1, end, size.y) : std::from_chars_result{end, std::errc::invalid_argument};
   if (y_error != std::errc() || y != end || size.x < 1 || size.y < 1 || size.x > 16384 || size.y > 16384)
     fail(Exit::Usage, "bad size '{}': write it as WIDTHxHEIGHT, 1 to 16384 each, e.g. 1280x720", text);
   return size;
 }
 
-gpu::Timing parse_timing(const std::string& text) { return text == "overlap" ? gpu::Timing::Overlap : gpu::Timing::Serialize; }
+gpu::Timing parse_timing(const std::string& text) {
+  return text == "overlap" ? gpu::Timing::Overlap : gpu::Timing::Serialize;
+}
 
-gpu::DeviceOptions device_options(const CommonOptions& o) { return {.select = o.device, .validation = o.validation}; }
+gpu::DeviceOptions device_options(const CommonOptions& o) {
+  return {.select = o.device, .validation = o.validation};
+}
 
 passes::FrameSettings make_settings(CommonOptions& o) {
   passes::FrameSettings settings;
@@ -112,7 +148,8 @@ passes::FrameSettings make_settings(CommonOptions& o) {
   if (!o.technique.empty()) settings.technique = &passes::find_technique(o.technique);
   for (const std::string& assignment : o.sets) params::assign(settings.blocks(), assignment);
   if (o.mode == "paper" && !settings.technique->paper_mode)
-    fail(Exit::Usage, "{} has no paper mode in this version: leave --mode away or use --mode radiometric", settings.technique->id);
+    fail(Exit::Usage, "{} has no paper mode in this version: leave --mode away or use --mode radiometric",
+         settings.technique->id);
   return settings;
 }
 
@@ -126,9 +163,15 @@ void keep_command_line(int argc, char** argv) {
       kept_command_line += fmt::format(" {}", arg);
   }
 }
-const std::string& command_line() { return kept_command_line; }
+const std::string& command_line() {
+  return kept_command_line;
+}
 
-bool interrupted() { return stop; }
-void watch_interrupt() { std::signal(SIGINT, on_interrupt); }
+bool interrupted() {
+  return stop;
+}
+void watch_interrupt() {
+  std::signal(SIGINT, on_interrupt);
+}
 
 }  // namespace nf::editor

@@ -1,9 +1,8 @@
 // Progress reporting.
 #include "cli/progress.h"
 
-#include <unistd.h>
-
 #include <cstdio>
+#include <unistd.h>
 
 namespace nf::editor {
 namespace {
@@ -33,19 +32,22 @@ void Progress::update(uint64_t done, const std::string& note) {
   const bool last = done == total_;
   // At most 10 a second on a terminal; elsewhere at 10 % steps or every 10 s, and short work stays silent.
   if (mode_ == ProgressMode::Bar && since < 0.1 && !last) return;
-  if (mode_ != ProgressMode::Bar && !(since >= 10 || (since >= 1 && (done - last_done_) * 10 >= total_) || (last && elapsed > 2))) return;
+  if (mode_ != ProgressMode::Bar &&
+      !(since >= 10 || (since >= 1 && (done - last_done_) * 10 >= total_) || (last && elapsed > 2)))
+    return;
   last_ = now;
   last_done_ = done;
   shown_ = true;
   const double left = done ? elapsed * double(total_ - done) / double(done) : 0;
   if (mode_ == ProgressMode::Json) {
-    fmt::print(stderr, "{{\"progress\":\"{}\",\"done\":{},\"total\":{},\"seconds\":{:.3f}}}\n", label_, done, total_, elapsed);
+    fmt::print(stderr, "{{\"progress\":\"{}\",\"done\":{},\"total\":{},\"seconds\":{:.3f}}}\n", label_, done, total_,
+               elapsed);
   } else if (mode_ == ProgressMode::Plain) {
     fmt::print(stderr, "{} {}/{} {} ETA {:.0f} s\n", label_, done, total_, note, left);
   } else {
     const int width = 24, filled = int(done * width / total_);
-    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {} ETA {:.0f} s", label_, std::string(size_t(filled), '#'), std::string(size_t(width - filled), '.'), done, total_,
-               note, left);
+    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {} ETA {:.0f} s", label_, std::string(size_t(filled), '#'),
+               std::string(size_t(width - filled), '.'), done, total_, note, left);
     std::fflush(stderr);
   }
 }

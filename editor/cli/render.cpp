@@ -1,9 +1,8 @@
 // `nearfield render`: pictures and layers of a scene, without a display, and the time of every pass.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fmt/format.h>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,6 +11,7 @@
 #include "cli/options.h"
 #include "cli/progress.h"
 #include "core/log.h"
+#include "image/file.h"
 #include "image/image.h"
 #include "scene/gltf.h"
 #include "scene/view.h"
@@ -41,21 +41,30 @@ std::string output_name(const Output& output, uint32_t frame) {
   if (open == std::string::npos || close == std::string::npos) return output.pattern;
   const std::string width = output.pattern.substr(open + 6, close - open - 6);
   const int digits = width.size() > 1 && width[0] == ':' ? std::atoi(width.c_str() + 1) : 0;
-  return output.pattern.substr(0, open) + fmt::format("{:0{}}", frame, std::clamp(digits, 0, 12)) + output.pattern.substr(close + 1);
+  return output.pattern.substr(0, open) + fmt::format("{:0{}}", frame, std::clamp(digits, 0, 12)) +
+         output.pattern.substr(close + 1);
+}
+
+// Found out now, not after minutes of work.
+void check_folder(const std::string& name) {
+  const fs::path folder = fs::path(name).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder))
+    fail(Exit::Output, "cannot write '{}': there is no folder '{}'; make it first", name, folder.string());
 }
 
 std::vector<Output> parse_outputs(const RenderOptions& o) {
   std::vector<Output> outputs;
   for (const std::string& name : o.outputs) {
     const std::string extension = fs::path(name).extension().string();
-    if (extension != ".png" && extension != ".exr") fail(Exit::Usage, "bad output '{}': the name must end in .png or .exr", name);
+    if (extension != ".png" && extension != ".exr")
+      fail(Exit::Usage, "bad output '{}': the name must end in .png or .exr", name);
     Output output{.pattern = name, .exr = extension == ".exr", .every_frame = name.find("{frame") != std::string::npos};
-    if (output.every_frame && o.accumulate) fail(Exit::Usage, "bad output '{}': --accumulate writes one picture, the mean; leave {{frame}} out", name);
-    // Found out now, not after minutes of work.
-    const fs::path folder = fs::path(name).parent_path();
-    if (!folder.empty() && !fs::is_directory(folder)) fail(Exit::Output, "cannot write '{}': there is no folder '{}'; make it first", name, folder.string());
+    if (output.every_frame && o.accumulate)
+      fail(Exit::Usage, "bad output '{}': --accumulate writes one picture, the mean; leave {{frame}} out", name);
+    check_folder(name);
     outputs.push_back(output);
   }
+  check_folder(o.json_file);
   return outputs;
 }
 
@@ -85,7 +94,8 @@ image::Layer to_layer(const passes::Aov& aov, const graph::Readback& readback) {
   const std::vector<float> floats = graph::to_floats(readback, have);
   image::Layer layer{.name = aov.name, .channels = aov.channels, .image = {}};
   const uint32_t wanted = uint32_t(layer.channels.size());
-  layer.image = {readback.desc.size.width, readback.desc.size.height, wanted, std::vector<float>(floats.size() / have * wanted)};
+  layer.image = {readback.desc.size.width, readback.desc.size.height, wanted,
+                 std::vector<float>(floats.size() / have * wanted)};
   for (size_t texel = 0; texel < floats.size() / have; ++texel)
     for (uint32_t c = 0; c < wanted; ++c) layer.image.pixels[texel * wanted + c] = floats[texel * have + c];
   return layer;
@@ -102,7 +112,17 @@ image::Image8 to_image8(const graph::Readback& readback) {
 nlohmann::json times_json(const std::vector<std::pair<std::string, capture::Statistics>>& rows) {
   nlohmann::json out = nlohmann::json::array();
   for (const auto& [name, s] : rows)
-    out.push_back({{"path", name}, {"gpu_ms", {{"count", s.count}, {"min", s.min}, {"median", s.median}, {"p95", s.p95}, {"p99", s.p99}, {"max", s.max}, {"mean", s.mean}, {"stddev", s.stddev}, {"mad", s.mad}}}});
+    out.push_back({{"path", name},
+                   {"gpu_ms",
+                    {{"count", s.count},
+                     {"min", s.min},
+                     {"median", s.median},
+                     {"p95", s.p95},
+                     {"p99", s.p99},
+                     {"max", s.max},
+                     {"mean", s.mean},
+                     {"stddev", s.stddev},
+                     {"mad", s.mad}}}});
   return out;
 }
 
@@ -122,7 +142,7 @@ class RenderJob {
     view_.camera = view_.previous_camera = scene::select_view(o_.view, scene);
     gpu::Device device(device_options(o_));
     if (device.facts.software) log::warn("{} is a software device: pass times are CPU times", device.info.name);
-    passes::Renderer renderer(device, scene);
+    passes::Renderer renderer(device, scene, !o_.no_alias);
     check_layers(renderer, settings, layers);
 
     const uint32_t total = o_.warmup + o_.frames;
@@ -131,7 +151,8 @@ class RenderJob {
       Progress progress("render", total, o_);
       for (uint32_t n = 0; n < total; ++n) {
         const bool last = n + 1 == total || interrupted();
-        const bool each = std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return out.every_frame; });
+        const bool each =
+            std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return out.every_frame; });
         run_frame(renderer, settings, layers, pictures, n, last || (each && n >= o_.warmup));
         if (n >= o_.warmup && each) write(outputs, layers, device, n - o_.warmup, true, true);
         progress.update(n + 1, fmt::format("{:.1f} ms", frame_ms_.empty() ? 0.0 : frame_ms_.back()));
@@ -140,7 +161,9 @@ class RenderJob {
           break;
         }
         if (o_.timeout > 0 && std::chrono::duration<double>(Clock::now() - start_).count() > o_.timeout)
-          fail(Exit::Gpu, "time limit: {} of {} frames after {} s; raise --timeout, or use a smaller --size or fewer --frames", n + 1, total, o_.timeout);
+          fail(Exit::Gpu,
+               "time limit: {} of {} frames after {} s; raise --timeout, or use a smaller --size or fewer --frames",
+               n + 1, total, o_.timeout);
       }
     }
     if (frame_ms_.empty() && complete && o_.frames > 0) log::debug("no pass times: the device has no timestamps");
@@ -154,26 +177,31 @@ class RenderJob {
 
  private:
   // A layer that this technique does not have: dropped from "all", an error when it was asked for by name.
-  void check_layers(passes::Renderer& renderer, const passes::FrameSettings& settings, std::vector<const passes::Aov*>& layers) {
+  void check_layers(passes::Renderer& renderer, const passes::FrameSettings& settings,
+                    std::vector<const passes::Aov*>& layers) {
     graph::Graph graph;
     const passes::FrameOutputs outputs = renderer.build(graph, view_, settings);
     std::erase_if(layers, [&](const passes::Aov* aov) {
       if (renderer.add_layer(graph, outputs, *aov)) return false;
-      if (o_.aov != "all") fail(Exit::Input, "no layer '{}': the technique {} does not give it", aov->name, settings.technique->id);
+      if (o_.aov != "all")
+        fail(Exit::Input, "no layer '{}': the technique {} does not give it", aov->name, settings.technique->id);
       log::info("no layer '{}': the technique {} does not give it", aov->name, settings.technique->id);
       return true;
     });
   }
 
-  void run_frame(passes::Renderer& renderer, const passes::FrameSettings& settings, const std::vector<const passes::Aov*>& layers, bool pictures, uint32_t n, bool wanted) {
+  void run_frame(passes::Renderer& renderer, const passes::FrameSettings& settings,
+                 const std::vector<const passes::Aov*>& layers, bool pictures, uint32_t n, bool wanted) {
     view_.frame_index = n;
     const bool counted = n >= o_.warmup;
     const int64_t mean = o_.accumulate && counted ? int64_t(n - o_.warmup) : -1;
     graph::Graph graph(renderer.executor().histories());
     const passes::FrameOutputs outputs = renderer.build(graph, view_, settings);
     // The read-backs are part of every frame, so that the plan is the same and the passes are not culled.
-    for (const passes::Aov* aov : layers) graph.readback("readback.layer", renderer.add_layer(graph, outputs, *aov, mean));
-    if (pictures || layers.empty()) graph.readback("readback.picture", renderer.add_picture(graph, outputs, settings, mean));
+    for (const passes::Aov* aov : layers)
+      graph.readback("readback.layer", renderer.add_layer(graph, outputs, *aov, mean));
+    if (pictures || layers.empty())
+      graph.readback("readback.picture", renderer.add_picture(graph, outputs, settings, mean));
     renderer.executor().run(graph, {.timing = parse_timing(o_.timing)});
     view_.previous_camera = view_.camera;
     const graph::FrameResult result = renderer.executor().finish();
@@ -195,21 +223,28 @@ class RenderJob {
     if (wanted) readbacks_ = renderer.executor().take_readbacks();
   }
 
-  void write(const std::vector<Output>& outputs, const std::vector<const passes::Aov*>& layers, const gpu::Device& device, uint32_t frame, bool every_frame, bool complete) {
+  void write(const std::vector<Output>& outputs, const std::vector<const passes::Aov*>& layers,
+             const gpu::Device& device, uint32_t frame, bool every_frame, bool complete) {
     std::vector<image::Layer> exr;
     for (size_t i = 0; i < layers.size(); ++i) {
       exr.push_back(to_layer(*layers[i], readbacks_[i]));
       const image::NonFinite bad = image::find_non_finite(exr.back().image);
       if (bad.any())
-        log::error("layer '{}': {} NaN and {} infinite values, the first at pixel {},{}", layers[i]->name, bad.nan, bad.inf, bad.first_x, bad.first_y);
+        log::error("layer '{}': {} NaN and {} infinite values, the first at pixel {},{}", layers[i]->name, bad.nan,
+                   bad.inf, bad.first_x, bad.first_y);
     }
     for (const Output& output : outputs) {
       if (output.every_frame != every_frame) continue;
       const std::string name = output_name(output, frame);
       if (output.exr) {
         const std::map<std::string, std::string> header = {
-            {"nearfield.command", command_line()}, {"nearfield.version", version_short()}, {"nearfield.device", fmt::format("{}, {} {}", device.info.name, device.info.driver, device.info.driver_info)},
-            {"nearfield.seed", fmt::format("{}", o_.seed)}, {"nearfield.frames", fmt::format("{}{}", o_.frames, o_.accumulate ? " accumulated" : "")}, {"nearfield.complete", complete ? "true" : "false"}};
+            {"nearfield.command", command_line()},
+            {"nearfield.version", version_short()},
+            {"nearfield.device",
+             fmt::format("{}, {} {}", device.info.name, device.info.driver, device.info.driver_info)},
+            {"nearfield.seed", fmt::format("{}", o_.seed)},
+            {"nearfield.frames", fmt::format("{}{}", o_.frames, o_.accumulate ? " accumulated" : "")},
+            {"nearfield.complete", complete ? "true" : "false"}};
         image::write_exr(name, exr, header, o_.precision == "float" ? image::Precision::Float : image::Precision::Half);
       } else {
         image::write_png(name, to_image8(readbacks_.back()));
@@ -218,7 +253,8 @@ class RenderJob {
     }
   }
 
-  void report(const gpu::Device& device, passes::Renderer& renderer, const passes::FrameSettings& settings, bool complete) {
+  void report(const gpu::Device& device, passes::Renderer& renderer, const passes::FrameSettings& settings,
+              bool complete) {
     std::vector<std::pair<std::string, capture::Statistics>> rows;
     for (const std::string& name : pass_order_) rows.emplace_back(name, capture::statistics(pass_ms_[name]));
     const capture::Statistics frame = capture::statistics(frame_ms_);
@@ -226,29 +262,49 @@ class RenderJob {
     for (const auto& [name, s] : rows) sum += s.median;
     const graph::Plan& plan = renderer.executor().plan();
     if (!o_.json_file.empty()) {
-      const nlohmann::json document = {{"schema", "nearfield.render/1"}, {"complete", complete}, {"version", version_line()}, {"command", command_line()},
-                                       {"device", {{"name", device.info.name}, {"type", device.info.type}, {"driver", device.info.driver}, {"driver_info", device.info.driver_info}}},
-                                       {"technique", settings.technique->id}, {"size", {view_.size.x, view_.size.y}}, {"seed", o_.seed}, {"frames", frame_ms_.size()},
-                                       {"timing", o_.timing}, {"draws", renderer.draws()}, {"batches", renderer.batches()},
-                                       {"passes", times_json(rows)}, {"frame_ms", times_json({{"frame", frame}})[0]["gpu_ms"]},
-                                       {"memory", {{"placed_bytes", plan.unaliased_bytes}, {"max_live_bytes", plan.max_live_bytes}, {"unaliased_bytes", plan.unaliased_bytes}}},
+      const nlohmann::json document = {{"schema", "nearfield.render/1"},
+                                       {"complete", complete},
+                                       {"version", version_line()},
+                                       {"command", command_line()},
+                                       {"device",
+                                        {{"name", device.info.name},
+                                         {"type", device.info.type},
+                                         {"driver", device.info.driver},
+                                         {"driver_info", device.info.driver_info}}},
+                                       {"technique", settings.technique->id},
+                                       {"size", {view_.size.x, view_.size.y}},
+                                       {"seed", o_.seed},
+                                       {"frames", frame_ms_.size()},
+                                       {"timing", o_.timing},
+                                       {"draws", renderer.draws()},
+                                       {"batches", renderer.batches()},
+                                       {"passes", times_json(rows)},
+                                       {"frame_ms", times_json({{"frame", frame}})[0]["gpu_ms"]},
+                                       {"memory",
+                                        {{"placed_bytes", plan.placed_bytes},
+                                         {"max_live_bytes", plan.max_live_bytes},
+                                         {"unaliased_bytes", plan.unaliased_bytes}}},
                                        {"written", written_}};
       if (o_.json_file == "-") {
         fmt::print("{}\n", document.dump(1));
         return;
       }
-      std::FILE* file = std::fopen(o_.json_file.c_str(), "w");
       const std::string text = document.dump(1) + "\n";
-      if (!file || std::fwrite(text.data(), 1, text.size(), file) != text.size() || std::fclose(file) != 0) fail(Exit::Output, "cannot write '{}'; choose another place for --json", o_.json_file);
+      image::write_file(o_.json_file, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
       written_.push_back(o_.json_file);
     }
     if (!rows.empty() && !o_.quiet) {
-      fmt::print("{} on {} ({}), {}x{}, {} frame{}, median ms ({}{}):\n", settings.technique->id, device.info.name, device.info.type, view_.size.x, view_.size.y, frame_ms_.size(),
-                 frame_ms_.size() == 1 ? "" : "s", o_.timing, device.facts.software ? ", CPU times" : "");
-      for (const auto& [name, s] : rows) fmt::print("  {:24} {:9.3f}  {:5.1f} %\n", name, s.median, frame.median > 0 ? 100 * s.median / frame.median : 0);
-      fmt::print("  {:24} {:9.3f}  {:5.1f} %\n", "unattributed", std::max(frame.median - sum, 0.0), frame.median > 0 ? 100 * std::max(frame.median - sum, 0.0) / frame.median : 0);
+      fmt::print("{} on {} ({}), {}x{}, {} frame{}, median ms ({}{}):\n", settings.technique->id, device.info.name,
+                 device.info.type, view_.size.x, view_.size.y, frame_ms_.size(), frame_ms_.size() == 1 ? "" : "s",
+                 o_.timing, device.facts.software ? ", CPU times" : "");
+      for (const auto& [name, s] : rows)
+        fmt::print("  {:24} {:9.3f}  {:5.1f} %\n", name, s.median,
+                   frame.median > 0 ? 100 * s.median / frame.median : 0);
+      fmt::print("  {:24} {:9.3f}  {:5.1f} %\n", "unattributed", std::max(frame.median - sum, 0.0),
+                 frame.median > 0 ? 100 * std::max(frame.median - sum, 0.0) / frame.median : 0);
       fmt::print("  {:24} {:9.3f}   p95 {:.3f}\n", "frame", frame.median, frame.p95);
-      fmt::print("  {} draws in {} batches, {:.1f} MiB of transient images\n", renderer.draws(), renderer.batches(), double(plan.unaliased_bytes) / 1048576.0);
+      fmt::print("  {} draws in {} batches; transient images: {:.1f} MiB placed of {:.1f}\n", renderer.draws(),
+                 renderer.batches(), double(plan.placed_bytes) / 1048576.0, double(plan.unaliased_bytes) / 1048576.0);
     }
     for (const std::string& name : written_) fmt::print("{}\n", name);
   }
@@ -268,16 +324,33 @@ Command add_render(CLI::App& parent) {
   auto state = std::make_shared<RenderOptions>();
   CLI::App* app = parent.add_subcommand("render", "Render a scene to PNG or EXR and print the GPU time of every pass");
   app->add_option("SCENE", state->scene, "glTF scene (.gltf, .glb)")->required();
-  app->add_option("-o,--output", state->outputs, "Where to write: .png, .exr, or a pattern like 'f_{frame:04}.png' (repeatable)")->type_name("FILE")->required()->allow_extra_args(false);
-  app->add_option("--aov", state->aov, "Layers for the EXR: all, or a list like gi,visibility,normal,depth")->type_name("LIST");
-  app->add_option("--frames", state->frames, "Frames to render; the last is written")->check(CLI::Range(1u, 1000000u))->capture_default_str();
-  app->add_option("--warmup", state->warmup, "Frames before these that are not timed, accumulated or written")->check(CLI::Range(0u, 1000000u))->capture_default_str();
-  app->add_flag("--accumulate", state->accumulate, "Write the linear mean of all frames: the technique's expected value");
-  app->add_option("--fps", state->fps, "Fixed clock: simulated seconds per frame are 1 / FPS")->check(CLI::Range(0.001, 1e6))->capture_default_str();
-  app->add_option("--precision", state->precision, "EXR channels")->check(CLI::IsMember({"half", "float"}))->capture_default_str();
-  app->add_option("--json", state->json_file, "Times, sizes and paths as one JSON document; - for stdout")->type_name("FILE");
+  app->add_option("-o,--output", state->outputs,
+                  "Where to write: .png, .exr, or a pattern like 'f_{frame:04}.png' (repeatable)")
+      ->type_name("FILE")
+      ->required()
+      ->allow_extra_args(false);
+  app->add_option("--aov", state->aov, "Layers for the EXR: all, or a list like gi,visibility,normal,depth")
+      ->type_name("LIST");
+  app->add_option("--frames", state->frames, "Frames to render; the last is written")
+      ->check(CLI::Range(1u, 1000000u))
+      ->capture_default_str();
+  app->add_option("--warmup", state->warmup, "Frames before these that are not timed, accumulated or written")
+      ->check(CLI::Range(0u, 1000000u))
+      ->capture_default_str();
+  app->add_flag("--accumulate", state->accumulate,
+                "Write the linear mean of all frames: the technique's expected value");
+  app->add_option("--fps", state->fps, "Fixed clock: simulated seconds per frame are 1 / FPS")
+      ->check(CLI::Range(0.001, 1e6))
+      ->capture_default_str();
+  app->add_option("--precision", state->precision, "EXR channels")
+      ->check(CLI::IsMember({"half", "float"}))
+      ->capture_default_str();
+  app->add_option("--json", state->json_file, "Times, sizes and paths as one JSON document; - for stdout")
+      ->type_name("FILE");
   add_render_flags(*app, *state);
-  app->footer("Examples:\n  nearfield render scene.glb -o a.png --size 640x360 --frames 8\n  nearfield render scene.glb --view view.json -o a.exr --aov all --frames 64 --accumulate");
+  app->footer(
+      "Examples:\n  nearfield render scene.glb -o a.png --size 640x360 --frames 8\n  nearfield render scene.glb --view "
+      "view.json -o a.exr --aov all --frames 64 --accumulate");
   return {app, [state] {
             start_log(*state);
             watch_interrupt();

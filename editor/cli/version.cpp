@@ -5,7 +5,9 @@
 
 namespace nf::editor {
 
-std::string version_short() { return fmt::format("{} ({})", NF_VERSION, NF_GIT_HASH); }
+std::string version_short() {
+  return fmt::format("{} ({})", NF_VERSION, NF_GIT_HASH);
+}
 
 std::string version_line() {
 #if defined(__clang__)

@@ -11,8 +11,12 @@ thread_local std::string doing_now;
 }
 
 Doing::Doing(std::string what) : previous_(std::exchange(doing_now, std::move(what))) {}
-Doing::~Doing() { doing_now = std::move(previous_); }
-const std::string& Doing::current() { return doing_now; }
+Doing::~Doing() {
+  doing_now = std::move(previous_);
+}
+const std::string& Doing::current() {
+  return doing_now;
+}
 
 void check_failed(const char* expression, const std::string& values, const char* file, int line) {
   std::fprintf(stderr, "internal error: %s (%s) at %s:%d%s%s\n", expression, values.c_str(), file, line,

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <fmt/format.h>
-
 #include <stdexcept>
 #include <string>
 
@@ -11,14 +10,14 @@ namespace nf {
 // Process exit codes, documented in the README; every Error carries the one its failure maps to.
 enum class Exit : int {
   Ok = 0,
-  CheckFailed = 1,   // ran, but a check failed
-  Usage = 2,         // unknown flag, bad value
-  Input = 3,         // input missing or bad
-  NoDevice = 4,      // no suitable device or display
-  Shader = 5,        // shader or pipeline failed
-  Gpu = 6,           // device lost, out of memory, time limit
-  Output = 7,        // cannot write
-  Internal = 70,     // a wrong graph, a broken invariant
+  CheckFailed = 1,  // ran, but a check failed
+  Usage = 2,        // unknown flag, bad value
+  Input = 3,        // input missing or bad
+  NoDevice = 4,     // no suitable device or display
+  Shader = 5,       // shader or pipeline failed
+  Gpu = 6,          // device lost, out of memory, time limit
+  Output = 7,       // cannot write
+  Internal = 70,    // a wrong graph, a broken invariant
   Interrupted = 130,
 };
 
@@ -56,7 +55,7 @@ class Doing {
 }  // namespace nf
 
 // Broken invariants: prints expression, a formatted message, file:line and what was being done, then aborts.
-#define NF_CHECK(condition, ...)                                                                       \
-  do {                                                                                                 \
+#define NF_CHECK(condition, ...)                                                                      \
+  do {                                                                                                \
     if (!(condition)) ::nf::check_failed(#condition, ::fmt::format(__VA_ARGS__), __FILE__, __LINE__); \
   } while (false)

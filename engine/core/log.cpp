@@ -14,19 +14,18 @@ void init(Level level, const std::string& file) {
   console->set_level(level == Level::Quiet    ? spdlog::level::err
                      : level == Level::Normal ? spdlog::level::info
                                               : spdlog::level::debug);
-  std::vector<spdlog::sink_ptr> sinks{console};
-  if (!file.empty()) {
-    try {
-      auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file, true);
-      sink->set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %v");
-      sinks.push_back(sink);
-    } catch (const spdlog::spdlog_ex& e) {
-      fail(Exit::Output, "cannot write the log file '{}': {}; choose another with --log-file", file, e.what());
-    }
-  }
-  auto logger = std::make_shared<spdlog::logger>("nearfield", sinks.begin(), sinks.end());
+  auto logger = std::make_shared<spdlog::logger>("nearfield", console);
   logger->set_level(spdlog::level::debug);
+  // Before the file is opened: that it cannot be is said here, not on stdout as spdlog does by itself.
   spdlog::set_default_logger(logger);
+  if (file.empty()) return;
+  try {
+    auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file, true);
+    sink->set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %v");
+    logger->sinks().push_back(sink);
+  } catch (const spdlog::spdlog_ex& e) {
+    fail(Exit::Output, "cannot write the log file '{}': {}; choose another with --log-file", file, e.what());
+  }
 }
 
 }  // namespace nf::log

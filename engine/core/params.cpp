@@ -115,14 +115,20 @@ void reset(const ParamBlock& block) {
   for (const Param& param : block.table->params) set(*block.table, block.data, param, param.default_value);
 }
 
-std::string choice_name(const Param& param, int index) { return choices(param).at(size_t(index)); }
+std::string choice_name(const Param& param, int index) {
+  return choices(param).at(size_t(index));
+}
 
 std::string format(const Param& param, double value) {
   switch (param.type) {
-    case ParamType::Bool: return value != 0 ? "true" : "false";
-    case ParamType::Choice: return choice_name(param, int(value));
-    case ParamType::Float: return fmt::format("{}", float(value));
-    default: return fmt::format("{}", int64_t(value));
+    case ParamType::Bool:
+      return value != 0 ? "true" : "false";
+    case ParamType::Choice:
+      return choice_name(param, int(value));
+    case ParamType::Float:
+      return fmt::format("{}", float(value));
+    default:
+      return fmt::format("{}", int64_t(value));
   }
 }
 
@@ -145,10 +151,17 @@ nlohmann::json to_json(std::span<const ParamBlock> blocks, bool all) {
       if (!all && value == standard) continue;
       nlohmann::json& entry = result[fmt::format("{}.{}", block.table->prefix, param.name)];
       switch (param.type) {
-        case ParamType::Bool: entry = value != 0; break;
-        case ParamType::Choice: entry = choice_name(param, int(value)); break;
-        case ParamType::Float: entry = std::stod(fmt::format("{}", float(value))); break;
-        default: entry = int64_t(value);
+        case ParamType::Bool:
+          entry = value != 0;
+          break;
+        case ParamType::Choice:
+          entry = choice_name(param, int(value));
+          break;
+        case ParamType::Float:
+          entry = std::stod(fmt::format("{}", float(value)));
+          break;
+        default:
+          entry = int64_t(value);
       }
     }
   }
@@ -172,17 +185,26 @@ void from_json(std::span<const ParamBlock> blocks, const nlohmann::json& values)
 
 const char* glsl_type(ParamType type) {
   switch (type) {
-    case ParamType::Float: return "float";
+    case ParamType::Float:
+      return "float";
     case ParamType::Int:
-    case ParamType::Choice: return "int";
+    case ParamType::Choice:
+      return "int";
     case ParamType::Bool:
-    case ParamType::Uint: return "uint";
-    case ParamType::Vec2: return "vec2";
-    case ParamType::Vec3: return "vec3";
-    case ParamType::Vec4: return "vec4";
-    case ParamType::UVec2: return "uvec2";
-    case ParamType::IVec2: return "ivec2";
-    case ParamType::Mat4: return "mat4";
+    case ParamType::Uint:
+      return "uint";
+    case ParamType::Vec2:
+      return "vec2";
+    case ParamType::Vec3:
+      return "vec3";
+    case ParamType::Vec4:
+      return "vec4";
+    case ParamType::UVec2:
+      return "uvec2";
+    case ParamType::IVec2:
+      return "ivec2";
+    case ParamType::Mat4:
+      return "mat4";
   }
   return "";
 }

@@ -1,13 +1,14 @@
-// Parameter tables: one declaration per parameter, in an X-macro list, yields the C++ struct, the table that user interface,
-// command line, presets and help are made from, and the GLSL uniform block that the shader includer hands out. The struct
-// *is* the block: every member is made of 4-byte scalars, so C++ layout and GLSL scalar layout are the same.
+// Parameter tables: one declaration per parameter, in an X-macro list, yields the C++ struct, the table that user
+// interface, command line, presets and help are made from, and the GLSL uniform block that the shader includer hands
+// out. The struct *is* the block: every member is made of 4-byte scalars, so C++ layout and GLSL scalar layout are the
+// same.
 //
 //   #define NF_BLUR_PARAMS(P)  P(Float, radius, 2.0f, 0.0f, 16.0f, "px", "Radius of the blur")
 //                              P(Choice, shape, 0, 0, 1, "box|gauss", "Shape of the kernel")
 //   NF_DECLARE_PARAMS(BlurParams, "blur", NF_BLUR_PARAMS)
 //
-// (one logical line) gives struct BlurParams {float radius; int32_t shape;}, BlurParams::table(), the ids blur.radius and blur.shape, and in a
-// shader, after #include "params/blur", the uniform block instance `blur`.
+// (one logical line) gives struct BlurParams {float radius; int32_t shape;}, BlurParams::table(), the ids blur.radius
+// and blur.shape, and in a shader, after #include "params/blur", the uniform block instance `blur`.
 #pragma once
 
 #include <cstddef>
@@ -55,8 +56,8 @@ std::string choice_name(const Param& param, int index);
 // "2", "true", "gauss": how a value is written on the command line and shown in help.
 std::string format(const Param& param, double value);
 
-// Applies "prefix.name=value". Throws nf::Error: Exit::Input for an unknown id (with the nearest one there is), Exit::Usage
-// for a value that does not parse or is out of range.
+// Applies "prefix.name=value". Throws nf::Error: Exit::Input for an unknown id (with the nearest one there is),
+// Exit::Usage for a value that does not parse or is out of range.
 void assign(std::span<const ParamBlock> blocks, std::string_view assignment);
 
 // {"prefix.name": value} of the parameters that differ from their defaults (or of all). Reading throws as assign does.
@@ -73,58 +74,88 @@ namespace detail {
 template <ParamType>
 struct ParamValue;
 template <>
-struct ParamValue<ParamType::Float> { using Type = float; };
+struct ParamValue<ParamType::Float> {
+  using Type = float;
+};
 template <>
-struct ParamValue<ParamType::Int> { using Type = int32_t; };
+struct ParamValue<ParamType::Int> {
+  using Type = int32_t;
+};
 template <>
-struct ParamValue<ParamType::Bool> { using Type = uint32_t; };  // 0 or 1, as GLSL's uint
+struct ParamValue<ParamType::Bool> {
+  using Type = uint32_t;
+};  // 0 or 1, as GLSL's uint
 template <>
-struct ParamValue<ParamType::Choice> { using Type = int32_t; };
+struct ParamValue<ParamType::Choice> {
+  using Type = int32_t;
+};
 template <>
-struct ParamValue<ParamType::Vec2> { using Type = glm::vec2; };
+struct ParamValue<ParamType::Vec2> {
+  using Type = glm::vec2;
+};
 template <>
-struct ParamValue<ParamType::Vec3> { using Type = glm::vec3; };
+struct ParamValue<ParamType::Vec3> {
+  using Type = glm::vec3;
+};
 template <>
-struct ParamValue<ParamType::Vec4> { using Type = glm::vec4; };
+struct ParamValue<ParamType::Vec4> {
+  using Type = glm::vec4;
+};
 template <>
-struct ParamValue<ParamType::UVec2> { using Type = glm::uvec2; };
+struct ParamValue<ParamType::UVec2> {
+  using Type = glm::uvec2;
+};
 template <>
-struct ParamValue<ParamType::IVec2> { using Type = glm::ivec2; };
+struct ParamValue<ParamType::IVec2> {
+  using Type = glm::ivec2;
+};
 template <>
-struct ParamValue<ParamType::Uint> { using Type = uint32_t; };
+struct ParamValue<ParamType::Uint> {
+  using Type = uint32_t;
+};
 template <>
-struct ParamValue<ParamType::Mat4> { using Type = glm::mat4; };
+struct ParamValue<ParamType::Mat4> {
+  using Type = glm::mat4;
+};
 }  // namespace detail
 
 }  // namespace nf
 
 #define NF_PARAM_MEMBER_(type, name, value, low, high, unit, help) \
   ::nf::detail::ParamValue<::nf::ParamType::type>::Type name = value;
-#define NF_PARAM_ROW_(type, name, value, low, high, unit, help)                                                  \
-  ::nf::Param{#name, ::nf::ParamType::type, static_cast<uint32_t>(offsetof(Self, name)), sizeof(Self::name), \
-              static_cast<double>(value), low, high, unit, help},
-#define NF_DECLARE_PARAMS(Struct, prefix, LIST)                                                           \
-  struct Struct {                                                                                         \
-    LIST(NF_PARAM_MEMBER_)                                                                                \
-    static const ::nf::ParamTable& table() {                                                              \
-      using Self = Struct;                                                                                \
-      static const ::nf::Param rows[] = {LIST(NF_PARAM_ROW_)};                                            \
-      static const ::nf::ParamTable value{prefix, rows, static_cast<uint32_t>(sizeof(Struct)), true};     \
-      return value;                                                                                       \
-    }                                                                                                     \
+#define NF_PARAM_ROW_(type, name, value, low, high, unit, help) \
+  ::nf::Param{#name,                                            \
+              ::nf::ParamType::type,                            \
+              static_cast<uint32_t>(offsetof(Self, name)),      \
+              sizeof(Self::name),                               \
+              static_cast<double>(value),                       \
+              low,                                              \
+              high,                                             \
+              unit,                                             \
+              help},
+#define NF_DECLARE_PARAMS(Struct, prefix, LIST)                                                       \
+  struct Struct {                                                                                     \
+    LIST(NF_PARAM_MEMBER_)                                                                            \
+    static const ::nf::ParamTable& table() {                                                          \
+      using Self = Struct;                                                                            \
+      static const ::nf::Param rows[] = {LIST(NF_PARAM_ROW_)};                                        \
+      static const ::nf::ParamTable value{prefix, rows, static_cast<uint32_t>(sizeof(Struct)), true}; \
+      return value;                                                                                   \
+    }                                                                                                 \
   };
 
 // The same for a block that no user edits: LIST(F) lines are F(type, name).
 #define NF_FIELD_MEMBER_(type, name) ::nf::detail::ParamValue<::nf::ParamType::type>::Type name{};
 #define NF_FIELD_ROW_(type, name) \
-  ::nf::Param{#name, ::nf::ParamType::type, static_cast<uint32_t>(offsetof(Self, name)), sizeof(Self::name), 0, 0, 0, "", ""},
-#define NF_DECLARE_BLOCK(Struct, prefix, LIST)                                                            \
-  struct Struct {                                                                                         \
-    LIST(NF_FIELD_MEMBER_)                                                                                \
-    static const ::nf::ParamTable& table() {                                                              \
-      using Self = Struct;                                                                                \
-      static const ::nf::Param rows[] = {LIST(NF_FIELD_ROW_)};                                            \
-      static const ::nf::ParamTable value{prefix, rows, static_cast<uint32_t>(sizeof(Struct)), false};    \
-      return value;                                                                                       \
-    }                                                                                                     \
+  ::nf::Param{                    \
+      #name, ::nf::ParamType::type, static_cast<uint32_t>(offsetof(Self, name)), sizeof(Self::name), 0, 0, 0, "", ""},
+#define NF_DECLARE_BLOCK(Struct, prefix, LIST)                                                         \
+  struct Struct {                                                                                      \
+    LIST(NF_FIELD_MEMBER_)                                                                             \
+    static const ::nf::ParamTable& table() {                                                           \
+      using Self = Struct;                                                                             \
+      static const ::nf::Param rows[] = {LIST(NF_FIELD_ROW_)};                                         \
+      static const ::nf::ParamTable value{prefix, rows, static_cast<uint32_t>(sizeof(Struct)), false}; \
+      return value;                                                                                    \
+    }                                                                                                  \
   };

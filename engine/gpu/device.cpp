@@ -13,10 +13,12 @@ namespace {
 
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 
-VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                          VkDebugUtilsMessageTypeFlagsEXT,
                                           const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   std::string where;
-  for (uint32_t i = 0; i < data->cmdBufLabelCount; ++i) where += fmt::format(" [{}]", data->pCmdBufLabels[i].pLabelName);
+  for (uint32_t i = 0; i < data->cmdBufLabelCount; ++i)
+    where += fmt::format(" [{}]", data->pCmdBufLabels[i].pLabelName);
   const std::string text = fmt::format("validation{}: {}", where, data->pMessage);
   if (severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT)
     log::error("{}", text);
@@ -31,28 +33,36 @@ bool layer_present() {
   vkEnumerateInstanceLayerProperties(&count, nullptr);
   std::vector<VkLayerProperties> layers(count);
   vkEnumerateInstanceLayerProperties(&count, layers.data());
-  return std::any_of(layers.begin(), layers.end(), [](const auto& l) { return !std::strcmp(l.layerName, validation_layer); });
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const auto& l) { return !std::strcmp(l.layerName, validation_layer); });
 }
 
 VkInstance create_instance(bool validation) {
   if (validation && !layer_present())
-    fail(Exit::NoDevice, "cannot turn validation on: the layer {} is not installed; install vulkan-validationlayers", validation_layer);
+    fail(Exit::NoDevice, "cannot turn validation on: the layer {} is not installed; install vulkan-validationlayers",
+         validation_layer);
   // Hazards between submissions are only found with this switch, which has no other interface in the layer's 1.3.239.
   if (validation)
     setenv("VK_LAYER_ENABLES",
            "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:"
            "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT",
            0);
-  VkApplicationInfo app{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "nearfield",
-                        .pEngineName = "nearfield", .apiVersion = VK_API_VERSION_1_3};
+  VkApplicationInfo app{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                        .pApplicationName = "nearfield",
+                        .pEngineName = "nearfield",
+                        .apiVersion = VK_API_VERSION_1_3};
   const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
-  VkInstanceCreateInfo create{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &app,
-                              .enabledLayerCount = validation ? 1u : 0u, .ppEnabledLayerNames = &validation_layer,
-                              .enabledExtensionCount = 1, .ppEnabledExtensionNames = extensions};
+  VkInstanceCreateInfo create{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                              .pApplicationInfo = &app,
+                              .enabledLayerCount = validation ? 1u : 0u,
+                              .ppEnabledLayerNames = &validation_layer,
+                              .enabledExtensionCount = 1,
+                              .ppEnabledExtensionNames = extensions};
   VkInstance instance = VK_NULL_HANDLE;
   const VkResult result = vkCreateInstance(&create, nullptr, &instance);
   if (result != VK_SUCCESS)
-    fail(Exit::NoDevice, "cannot start Vulkan: {}; install a driver (Debian: mesa-vulkan-drivers has a software one)", result_name(result));
+    fail(Exit::NoDevice, "cannot start Vulkan: {}; install a driver (Debian: mesa-vulkan-drivers has a software one)",
+         result_name(result));
   return instance;
 }
 
@@ -97,7 +107,8 @@ std::string find_missing(VkPhysicalDevice physical) {
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(physical, &properties);
   if (properties.apiVersion < VK_API_VERSION_1_3)
-    return fmt::format("Vulkan 1.3 (it has {}.{})", VK_API_VERSION_MAJOR(properties.apiVersion), VK_API_VERSION_MINOR(properties.apiVersion));
+    return fmt::format("Vulkan 1.3 (it has {}.{})", VK_API_VERSION_MAJOR(properties.apiVersion),
+                       VK_API_VERSION_MINOR(properties.apiVersion));
   std::vector<std::string> missing;
   if (find_queue_family(physical) == ~0u) missing.emplace_back("a queue with graphics and compute");
   uint32_t count = 0;
@@ -110,17 +121,24 @@ std::string find_missing(VkPhysicalDevice physical) {
   Features features;
   features.chain();
   vkGetPhysicalDeviceFeatures2(physical, &features.base);
-  needed_features(features, [&](VkBool32 has, const char* name) { if (!has) missing.emplace_back(name); });
+  needed_features(features, [&](VkBool32 has, const char* name) {
+    if (!has) missing.emplace_back(name);
+  });
   return fmt::format("{}", fmt::join(missing, ", "));
 }
 
 const char* type_name(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete gpu";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated gpu";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual gpu";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "cpu";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete gpu";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated gpu";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual gpu";
+    default:
+      return "other";
   }
 }
 
@@ -138,13 +156,14 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index) {
   VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
   vkGetPhysicalDeviceProperties2(physical, &properties);
   const uint32_t api = properties.properties.apiVersion;
-  return {.name = properties.properties.deviceName,
-          .type = type_name(properties.properties.deviceType),
-          .driver = driver.driverName,
-          .driver_info = driver.driverInfo,
-          .api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(api), VK_API_VERSION_MINOR(api), VK_API_VERSION_PATCH(api)),
-          .index = index,
-          .missing = find_missing(physical)};
+  return {
+      .name = properties.properties.deviceName,
+      .type = type_name(properties.properties.deviceType),
+      .driver = driver.driverName,
+      .driver_info = driver.driverInfo,
+      .api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(api), VK_API_VERSION_MINOR(api), VK_API_VERSION_PATCH(api)),
+      .index = index,
+      .missing = find_missing(physical)};
 }
 
 std::string lower(std::string text) {
@@ -155,7 +174,8 @@ std::string lower(std::string text) {
 // Among the usable devices that `select` allows: discrete before integrated before virtual before software.
 uint32_t choose(const std::vector<DeviceInfo>& devices, const std::string& select) {
   if (devices.empty())
-    fail(Exit::NoDevice, "no Vulkan device: no driver was found; install one (Debian: mesa-vulkan-drivers has a software one)");
+    fail(Exit::NoDevice,
+         "no Vulkan device: no driver was found; install one (Debian: mesa-vulkan-drivers has a software one)");
   const std::string wanted = lower(select);
   uint32_t number = 0;
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
@@ -166,7 +186,7 @@ uint32_t choose(const std::vector<DeviceInfo>& devices, const std::string& selec
   std::string reasons, names;
   for (const DeviceInfo& d : devices) {
     names += fmt::format("{}{}: {}", names.empty() ? "" : ", ", d.index, d.name);
-    const bool matches = wanted.empty() || (by_index ? d.index == number
+    const bool matches = wanted.empty() || (by_index          ? d.index == number
                                             : wanted == "cpu" ? d.type == "cpu"
                                             : wanted == "gpu" ? d.type.find("gpu") != std::string::npos
                                                               : lower(d.name).find(wanted) != std::string::npos);
@@ -179,28 +199,44 @@ uint32_t choose(const std::vector<DeviceInfo>& devices, const std::string& selec
     if (rank < best_rank) best = d.index, best_rank = rank;
   }
   if (best != ~0u) return best;
-  if (!reasons.empty()) fail(Exit::NoDevice, "no suitable Vulkan device: {}; update the driver or choose another with --device", reasons);
-  fail(Exit::NoDevice, "no Vulkan device matches '{}': there are {}; choose one with --device INDEX, NAME, cpu or gpu", select, names);
+  if (!reasons.empty())
+    fail(Exit::NoDevice, "no suitable Vulkan device: {}; update the driver or choose another with --device", reasons);
+  fail(Exit::NoDevice, "no Vulkan device matches '{}': there are {}; choose one with --device INDEX, NAME, cpu or gpu",
+       select, names);
 }
 
 }  // namespace
 
 const char* result_name(VkResult result) {
   switch (result) {
-    case VK_SUCCESS: return "VK_SUCCESS";
-    case VK_NOT_READY: return "VK_NOT_READY";
-    case VK_TIMEOUT: return "VK_TIMEOUT";
-    case VK_INCOMPLETE: return "VK_INCOMPLETE";
-    case VK_ERROR_OUT_OF_HOST_MEMORY: return "VK_ERROR_OUT_OF_HOST_MEMORY";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
-    case VK_ERROR_INITIALIZATION_FAILED: return "VK_ERROR_INITIALIZATION_FAILED";
-    case VK_ERROR_DEVICE_LOST: return "VK_ERROR_DEVICE_LOST";
-    case VK_ERROR_LAYER_NOT_PRESENT: return "VK_ERROR_LAYER_NOT_PRESENT";
-    case VK_ERROR_EXTENSION_NOT_PRESENT: return "VK_ERROR_EXTENSION_NOT_PRESENT";
-    case VK_ERROR_FEATURE_NOT_PRESENT: return "VK_ERROR_FEATURE_NOT_PRESENT";
-    case VK_ERROR_INCOMPATIBLE_DRIVER: return "VK_ERROR_INCOMPATIBLE_DRIVER";
-    case VK_ERROR_FORMAT_NOT_SUPPORTED: return "VK_ERROR_FORMAT_NOT_SUPPORTED";
-    default: return "an unnamed VkResult";
+    case VK_SUCCESS:
+      return "VK_SUCCESS";
+    case VK_NOT_READY:
+      return "VK_NOT_READY";
+    case VK_TIMEOUT:
+      return "VK_TIMEOUT";
+    case VK_INCOMPLETE:
+      return "VK_INCOMPLETE";
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      return "VK_ERROR_OUT_OF_HOST_MEMORY";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
+    case VK_ERROR_INITIALIZATION_FAILED:
+      return "VK_ERROR_INITIALIZATION_FAILED";
+    case VK_ERROR_DEVICE_LOST:
+      return "VK_ERROR_DEVICE_LOST";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+      return "VK_ERROR_LAYER_NOT_PRESENT";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+      return "VK_ERROR_EXTENSION_NOT_PRESENT";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+      return "VK_ERROR_FEATURE_NOT_PRESENT";
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+      return "VK_ERROR_INCOMPATIBLE_DRIVER";
+    case VK_ERROR_FORMAT_NOT_SUPPORTED:
+      return "VK_ERROR_FORMAT_NOT_SUPPORTED";
+    default:
+      return "an unnamed VkResult";
   }
 }
 
@@ -233,13 +269,14 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
   queue_family = find_queue_family(physical);
 
   if (validation) {
-    VkDebugUtilsMessengerCreateInfoEXT create{
-        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
-        .pfnUserCallback = on_message,
-        .pUserData = this};
-    auto create_messenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
+    VkDebugUtilsMessengerCreateInfoEXT create{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+                                              .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                                                                 VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+                                              .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+                                              .pfnUserCallback = on_message,
+                                              .pUserData = this};
+    auto create_messenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
     NF_VK(create_messenger(instance, &create, nullptr, &messenger_));
   }
 
@@ -251,20 +288,31 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
   features.base.features.samplerAnisotropy = available.samplerAnisotropy;
 
   const float priority = 1;
-  VkDeviceQueueCreateInfo queue_create{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, .queueFamilyIndex = queue_family,
-                                       .queueCount = 1, .pQueuePriorities = &priority};
+  VkDeviceQueueCreateInfo queue_create{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                       .queueFamilyIndex = queue_family,
+                                       .queueCount = 1,
+                                       .pQueuePriorities = &priority};
   const char* extensions[] = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
-  VkDeviceCreateInfo create{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .pNext = &features.base, .queueCreateInfoCount = 1,
-                            .pQueueCreateInfos = &queue_create, .enabledExtensionCount = 1, .ppEnabledExtensionNames = extensions};
+  VkDeviceCreateInfo create{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                            .pNext = &features.base,
+                            .queueCreateInfoCount = 1,
+                            .pQueueCreateInfos = &queue_create,
+                            .enabledExtensionCount = 1,
+                            .ppEnabledExtensionNames = extensions};
   NF_VK(vkCreateDevice(physical, &create, nullptr, &handle));
   vkGetDeviceQueue(handle, queue_family, 0, &queue);
 
-  push_descriptor_set = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(handle, "vkCmdPushDescriptorSetKHR"));
-  begin_label = reinterpret_cast<PFN_vkCmdBeginDebugUtilsLabelEXT>(vkGetInstanceProcAddr(instance, "vkCmdBeginDebugUtilsLabelEXT"));
-  end_label = reinterpret_cast<PFN_vkCmdEndDebugUtilsLabelEXT>(vkGetInstanceProcAddr(instance, "vkCmdEndDebugUtilsLabelEXT"));
-  set_name = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(vkGetInstanceProcAddr(instance, "vkSetDebugUtilsObjectNameEXT"));
+  push_descriptor_set =
+      reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(handle, "vkCmdPushDescriptorSetKHR"));
+  begin_label = reinterpret_cast<PFN_vkCmdBeginDebugUtilsLabelEXT>(
+      vkGetInstanceProcAddr(instance, "vkCmdBeginDebugUtilsLabelEXT"));
+  end_label =
+      reinterpret_cast<PFN_vkCmdEndDebugUtilsLabelEXT>(vkGetInstanceProcAddr(instance, "vkCmdEndDebugUtilsLabelEXT"));
+  set_name = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(
+      vkGetInstanceProcAddr(instance, "vkSetDebugUtilsObjectNameEXT"));
 
-  VkPhysicalDevicePushDescriptorPropertiesKHR push{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PUSH_DESCRIPTOR_PROPERTIES_KHR};
+  VkPhysicalDevicePushDescriptorPropertiesKHR push{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PUSH_DESCRIPTOR_PROPERTIES_KHR};
   VkPhysicalDeviceProperties2 more{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &push};
   vkGetPhysicalDeviceProperties2(physical, &more);
   uint32_t family_count = 0;
@@ -287,7 +335,8 @@ Device::~Device() {
     vkDestroyDevice(handle, nullptr);
   }
   if (messenger_)
-    reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"))(instance, messenger_, nullptr);
+    reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"))(instance, messenger_, nullptr);
   vkDestroyInstance(instance, nullptr);
 }
 
@@ -301,12 +350,16 @@ void Device::add_message(std::string message) {
   messages_.push_back(std::move(message));
 }
 
-void Device::wait_idle() const { NF_VK(vkDeviceWaitIdle(handle)); }
+void Device::wait_idle() const {
+  NF_VK(vkDeviceWaitIdle(handle));
+}
 
 void Device::name_object(VkObjectType type, uint64_t object, const std::string& name) const {
   if (!validation) return;  // names only serve messages and captures
-  VkDebugUtilsObjectNameInfoEXT info_ext{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT, .objectType = type,
-                                         .objectHandle = object, .pObjectName = name.c_str()};
+  VkDebugUtilsObjectNameInfoEXT info_ext{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+                                         .objectType = type,
+                                         .objectHandle = object,
+                                         .pObjectName = name.c_str()};
   set_name(handle, &info_ext);
 }
 

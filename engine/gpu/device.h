@@ -1,5 +1,5 @@
-// The Vulkan 1.3 device: one queue, dynamic rendering, synchronization2, push descriptors, a timeline semaphore. Needs no window
-// system. Every other part of gpu/ takes a Device&.
+// The Vulkan 1.3 device: one queue, dynamic rendering, synchronization2, push descriptors, a timeline semaphore. Needs
+// no window system. Every other part of gpu/ takes a Device&.
 #pragma once
 
 #include <mutex>

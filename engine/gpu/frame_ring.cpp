@@ -6,14 +6,18 @@
 namespace nf::gpu {
 
 FrameRing::FrameRing(Device& device) : device_(device) {
-  VkSemaphoreTypeCreateInfo type{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO, .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE};
+  VkSemaphoreTypeCreateInfo type{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
+                                 .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE};
   VkSemaphoreCreateInfo create{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &type};
   NF_VK(vkCreateSemaphore(device.handle, &create, nullptr, &timeline_));
   for (Frame& frame : frames_) {
-    VkCommandPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, .queueFamilyIndex = device.queue_family};
+    VkCommandPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                 .queueFamilyIndex = device.queue_family};
     NF_VK(vkCreateCommandPool(device.handle, &pool, nullptr, &frame.pool));
-    VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, .commandPool = frame.pool,
-                                         .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY, .commandBufferCount = 1};
+    VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                         .commandPool = frame.pool,
+                                         .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                         .commandBufferCount = 1};
     NF_VK(vkAllocateCommandBuffers(device.handle, &allocate, &frame.commands));
   }
 }
@@ -34,11 +38,14 @@ Frame& FrameRing::begin(VkDeviceSize uniform_bytes, uint32_t timestamps) {
   wait(frame);
   if (frame.uniforms.size < uniform_bytes) {
     destroy(device_, frame.uniforms);
-    frame.uniforms = create_buffer(device_, uniform_bytes * 2, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Where::Host, "uniforms");
+    frame.uniforms =
+        create_buffer(device_, uniform_bytes * 2, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Where::Host, "uniforms");
   }
   if (frame.timestamps.capacity < timestamps && device_.facts.timestamp_mask) {
     vkDestroyQueryPool(device_.handle, frame.timestamps.pool, nullptr);
-    VkQueryPoolCreateInfo create{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO, .queryType = VK_QUERY_TYPE_TIMESTAMP, .queryCount = timestamps * 2};
+    VkQueryPoolCreateInfo create{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                 .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                 .queryCount = timestamps * 2};
     NF_VK(vkCreateQueryPool(device_.handle, &create, nullptr, &frame.timestamps.pool));
     frame.timestamps.capacity = timestamps * 2;
   }
@@ -46,7 +53,8 @@ Frame& FrameRing::begin(VkDeviceSize uniform_bytes, uint32_t timestamps) {
   frame.timestamps.used = 0;
   if (frame.timestamps.pool) vkResetQueryPool(device_.handle, frame.timestamps.pool, 0, frame.timestamps.capacity);
   NF_VK(vkResetCommandPool(device_.handle, frame.pool, 0));
-  VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+  VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                 .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
   NF_VK(vkBeginCommandBuffer(frame.commands, &begin));
   return frame;
 }
@@ -54,17 +62,26 @@ Frame& FrameRing::begin(VkDeviceSize uniform_bytes, uint32_t timestamps) {
 void FrameRing::submit(Frame& frame) {
   NF_VK(vkEndCommandBuffer(frame.commands));
   frame.value = ++submitted_;
-  VkCommandBufferSubmitInfo commands{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, .commandBuffer = frame.commands};
-  VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, .semaphore = timeline_, .value = frame.value,
+  VkCommandBufferSubmitInfo commands{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                     .commandBuffer = frame.commands};
+  VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                               .semaphore = timeline_,
+                               .value = frame.value,
                                .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
-  VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &commands,
-                       .signalSemaphoreInfoCount = 1, .pSignalSemaphoreInfos = &signal};
+  VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                       .commandBufferInfoCount = 1,
+                       .pCommandBufferInfos = &commands,
+                       .signalSemaphoreInfoCount = 1,
+                       .pSignalSemaphoreInfos = &signal};
   NF_VK(vkQueueSubmit2(device_.queue, 1, &submit, VK_NULL_HANDLE));
 }
 
 void FrameRing::wait(const Frame& frame) {
   if (!frame.value) return;
-  VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO, .semaphoreCount = 1, .pSemaphores = &timeline_, .pValues = &frame.value};
+  VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
+                           .semaphoreCount = 1,
+                           .pSemaphores = &timeline_,
+                           .pValues = &frame.value};
   NF_VK(vkWaitSemaphores(device_.handle, &info, UINT64_MAX));
 }
 
@@ -83,7 +100,8 @@ UniformRange FrameRing::push_uniform(Frame& frame, std::span<const std::byte> da
 
 void write_timestamp(Device& device, Frame& frame, Timing timing) {
   if (!device.facts.timestamp_mask) return;
-  vkCmdWriteTimestamp2(frame.commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, frame.timestamps.pool, frame.timestamps.used++);
+  vkCmdWriteTimestamp2(frame.commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, frame.timestamps.pool,
+                       frame.timestamps.used++);
   if (timing == Timing::Serialize) {
     VkDependencyInfo nothing{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     vkCmdPipelineBarrier2(frame.commands, &nothing);
@@ -93,8 +111,8 @@ void write_timestamp(Device& device, Frame& frame, Timing timing) {
 std::vector<double> read_timestamps(Device& device, Frame& frame) {
   std::vector<uint64_t> ticks(frame.timestamps.used);
   if (ticks.empty()) return {};
-  NF_VK(vkGetQueryPoolResults(device.handle, frame.timestamps.pool, 0, frame.timestamps.used, ticks.size() * 8, ticks.data(), 8,
-                              VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
+  NF_VK(vkGetQueryPoolResults(device.handle, frame.timestamps.pool, 0, frame.timestamps.used, ticks.size() * 8,
+                              ticks.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
   std::vector<double> result;
   for (const uint64_t tick : ticks)
     result.push_back(double((tick - ticks[0]) & device.facts.timestamp_mask) * double(device.facts.timestamp_period));

@@ -38,7 +38,8 @@ class FrameRing {
   FrameRing(const FrameRing&) = delete;
   FrameRing& operator=(const FrameRing&) = delete;
 
-  // Waits until the slot's last submission is done, then starts recording. `uniform_bytes` and `timestamps` are upper bounds.
+  // Waits until the slot's last submission is done, then starts recording. `uniform_bytes` and `timestamps` are upper
+  // bounds.
   Frame& begin(VkDeviceSize uniform_bytes, uint32_t timestamps);
   void submit(Frame& frame);
   void wait(const Frame& frame);
@@ -53,8 +54,8 @@ class FrameRing {
   std::array<Frame, size> frames_;
 };
 
-// How passes are timed. Serialize: a barrier after each timestamp, which makes it right on lavapipe (trap 1) and passes do not
-// overlap; Overlap: none, as the frame really runs.
+// How passes are timed. Serialize: a barrier after each timestamp, which makes it right on lavapipe (trap 1) and passes
+// do not overlap; Overlap: none, as the frame really runs.
 enum class Timing : uint8_t { Serialize, Overlap };
 
 // Writes the next timestamp of the frame, at the end of all earlier work.

@@ -6,7 +6,8 @@
 namespace nf::gpu {
 namespace {
 
-uint32_t find_memory_type(const Device& device, uint32_t bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) {
+uint32_t find_memory_type(const Device& device, uint32_t bits, VkMemoryPropertyFlags required,
+                          VkMemoryPropertyFlags preferred) {
   uint32_t fallback = ~0u;
   for (uint32_t i = 0; i < device.memory.memoryTypeCount; ++i) {
     const VkMemoryPropertyFlags flags = device.memory.memoryTypes[i].propertyFlags;
@@ -22,10 +23,12 @@ VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, Where
   const bool host = where == Where::Host;
   const VkMemoryPropertyFlags required =
       host ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT : VkMemoryPropertyFlags(0);
-  const VkMemoryPropertyFlags preferred = host ? required | VK_MEMORY_PROPERTY_HOST_CACHED_BIT
-                                               : VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  VkMemoryAllocateInfo allocate_info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size,
-                                     .memoryTypeIndex = find_memory_type(device, needs.memoryTypeBits, required, preferred)};
+  const VkMemoryPropertyFlags preferred =
+      host ? required | VK_MEMORY_PROPERTY_HOST_CACHED_BIT : VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  VkMemoryAllocateInfo allocate_info{
+      .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+      .allocationSize = needs.size,
+      .memoryTypeIndex = find_memory_type(device, needs.memoryTypeBits, required, preferred)};
   VkDeviceMemory memory = VK_NULL_HANDLE;
   const Doing doing(fmt::format("allocating {:.1f} MiB for {}", double(needs.size) / 1048576.0, name));
   NF_VK(vkAllocateMemory(device.handle, &allocate_info, nullptr, &memory));
@@ -64,7 +67,8 @@ const FormatRow* find_row(VkFormat format) {
 
 }  // namespace
 
-Buffer create_buffer(Device& device, VkDeviceSize size, VkBufferUsageFlags usage, Where where, const std::string& name) {
+Buffer create_buffer(Device& device, VkDeviceSize size, VkBufferUsageFlags usage, Where where,
+                     const std::string& name) {
   Buffer buffer{.size = size};
   VkBufferCreateInfo create{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
   NF_VK(vkCreateBuffer(device.handle, &create, nullptr, &buffer.handle));
@@ -87,26 +91,85 @@ void destroy(Device& device, Buffer& buffer) {
   buffer = {};
 }
 
-Image create_image(Device& device, const ImageInfo& info, const std::string& name, bool array) {
-  Image image{.info = info};
+namespace {
+
+VkImageCreateInfo create_info(const ImageInfo& info) {
+  return {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+          .imageType = VK_IMAGE_TYPE_2D,
+          .format = info.format,
+          .extent = {info.extent.width, info.extent.height, 1},
+          .mipLevels = info.mips,
+          .arrayLayers = info.layers,
+          .samples = VK_SAMPLE_COUNT_1_BIT,
+          .tiling = VK_IMAGE_TILING_OPTIMAL,
+          .usage = info.usage};
+}
+
+// The image without memory and view.
+Image begin_image(Device& device, const ImageInfo& info, const std::string& name, VkMemoryRequirements& needs) {
   if (info.extent.width > device.facts.max_image_size || info.extent.height > device.facts.max_image_size)
-    fail(Exit::Gpu, "cannot make the image '{}' of {}x{}: {} takes {} pixels a side at most; use a smaller --size", name,
-         info.extent.width, info.extent.height, device.info.name, device.facts.max_image_size);
-  VkImageCreateInfo create{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO, .imageType = VK_IMAGE_TYPE_2D, .format = info.format,
-                           .extent = {info.extent.width, info.extent.height, 1}, .mipLevels = info.mips, .arrayLayers = info.layers,
-                           .samples = VK_SAMPLE_COUNT_1_BIT, .tiling = VK_IMAGE_TILING_OPTIMAL, .usage = info.usage};
+    fail(Exit::Gpu, "cannot make the image '{}' of {}x{}: {} takes {} pixels a side at most; use a smaller --size",
+         name, info.extent.width, info.extent.height, device.info.name, device.facts.max_image_size);
+  Image image{.info = info};
+  const VkImageCreateInfo create = create_info(info);
   NF_VK(vkCreateImage(device.handle, &create, nullptr, &image.handle));
-  VkMemoryRequirements needs;
   vkGetImageMemoryRequirements(device.handle, image.handle, &needs);
   image.bytes = needs.size;
-  image.memory = allocate(device, needs, Where::Device, name);
-  NF_VK(vkBindImageMemory(device.handle, image.handle, image.memory, 0));
-  VkImageViewCreateInfo view{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO, .image = image.handle,
-                             .viewType = array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D, .format = info.format,
-                             .subresourceRange = {aspect_of(info.format), 0, info.mips, 0, info.layers}};
+  return image;
+}
+
+void finish_image(Device& device, Image& image, const std::string& name, bool array) {
+  VkImageViewCreateInfo view{
+      .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+      .image = image.handle,
+      .viewType = array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
+      .format = image.info.format,
+      .subresourceRange = {aspect_of(image.info.format), 0, image.info.mips, 0, image.info.layers}};
   NF_VK(vkCreateImageView(device.handle, &view, nullptr, &image.view));
   device.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image.handle), name);
+}
+
+}  // namespace
+
+Image create_image(Device& device, const ImageInfo& info, const std::string& name, bool array) {
+  VkMemoryRequirements needs;
+  Image image = begin_image(device, info, name, needs);
+  image.memory = allocate(device, needs, Where::Device, name);
+  NF_VK(vkBindImageMemory(device.handle, image.handle, image.memory, 0));
+  finish_image(device, image, name, array);
   return image;
+}
+
+Image place_image(Device& device, const ImageInfo& info, const std::string& name, const Heap& heap,
+                  VkDeviceSize offset) {
+  VkMemoryRequirements needs;
+  Image image = begin_image(device, info, name, needs);
+  NF_CHECK(offset % needs.alignment == 0 && offset + needs.size <= heap.size, "{} at {} of {}", name, offset,
+           heap.size);
+  NF_VK(vkBindImageMemory(device.handle, image.handle, heap.memory, offset));
+  finish_image(device, image, name, false);
+  return image;
+}
+
+MemoryNeeds image_needs(const Device& device, const ImageInfo& info) {
+  const VkImageCreateInfo create = create_info(info);
+  VkDeviceImageMemoryRequirements query{.sType = VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS,
+                                        .pCreateInfo = &create};
+  VkMemoryDedicatedRequirements dedicated{.sType = VK_STRUCTURE_TYPE_MEMORY_DEDICATED_REQUIREMENTS};
+  VkMemoryRequirements2 needs{.sType = VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2, .pNext = &dedicated};
+  vkGetDeviceImageMemoryRequirements(device.handle, &query, &needs);
+  const VkMemoryRequirements& plain = needs.memoryRequirements;
+  return {plain.size, plain.alignment, plain.memoryTypeBits, dedicated.requiresDedicatedAllocation == VK_TRUE};
+}
+
+Heap create_heap(Device& device, VkDeviceSize size, uint32_t type_bits, const std::string& name) {
+  const VkMemoryRequirements needs{.size = size, .alignment = 1, .memoryTypeBits = type_bits};
+  return {allocate(device, needs, Where::Device, name), size, type_bits};
+}
+
+void destroy(Device& device, Heap& heap) {
+  vkFreeMemory(device.handle, heap.memory, nullptr);
+  heap = {};
 }
 
 void destroy(Device& device, Image& image) {
@@ -117,7 +180,8 @@ void destroy(Device& device, Image& image) {
 }
 
 VkImageAspectFlags aspect_of(VkFormat format) {
-  return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM ? VK_IMAGE_ASPECT_DEPTH_BIT
+                                                                         : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
 uint32_t texel_bytes(VkFormat format) {

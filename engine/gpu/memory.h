@@ -37,6 +37,25 @@ struct Image {
 Image create_image(Device& device, const ImageInfo& info, const std::string& name, bool array = false);
 void destroy(Device& device, Image& image);
 
+// What an image would ask for, without making one. `dedicated`: it must have memory of its own.
+struct MemoryNeeds {
+  VkDeviceSize size = 0, alignment = 1;
+  uint32_t type_bits = ~0u;
+  bool dedicated = false;
+};
+MemoryNeeds image_needs(const Device& device, const ImageInfo& info);
+
+// Memory that images are placed in. They do not own it: destroy them first.
+struct Heap {
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkDeviceSize size = 0;
+  uint32_t type_bits = 0;
+};
+Heap create_heap(Device& device, VkDeviceSize size, uint32_t type_bits, const std::string& name);
+void destroy(Device& device, Heap& heap);
+Image place_image(Device& device, const ImageInfo& info, const std::string& name, const Heap& heap,
+                  VkDeviceSize offset);
+
 VkImageAspectFlags aspect_of(VkFormat format);
 // Bytes of a texel; 0 for formats this engine does not use.
 uint32_t texel_bytes(VkFormat format);

@@ -12,20 +12,32 @@ namespace {
 
 VkDescriptorType descriptor_type(SlotKind kind) {
   switch (kind) {
-    case SlotKind::UniformBlock: return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-    case SlotKind::StorageBuffer: return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    case SlotKind::StorageImage: return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-    case SlotKind::SampledImage: return VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
-    case SlotKind::Sampler: return VK_DESCRIPTOR_TYPE_SAMPLER;
-    case SlotKind::CombinedImage: return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    case SlotKind::UniformBlock:
+      return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    case SlotKind::StorageBuffer:
+      return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    case SlotKind::StorageImage:
+      return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    case SlotKind::SampledImage:
+      return VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
+    case SlotKind::Sampler:
+      return VK_DESCRIPTOR_TYPE_SAMPLER;
+    case SlotKind::CombinedImage:
+      return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
   }
   return VK_DESCRIPTOR_TYPE_MAX_ENUM;
 }
 
 VkSampler create_sampler(Device& device, VkFilter filter, VkSamplerAddressMode address, bool compare) {
-  VkSamplerCreateInfo create{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO, .magFilter = filter, .minFilter = filter,
-                             .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST, .addressModeU = address, .addressModeV = address,
-                             .addressModeW = address, .compareEnable = compare, .compareOp = VK_COMPARE_OP_GREATER_OR_EQUAL,
+  VkSamplerCreateInfo create{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+                             .magFilter = filter,
+                             .minFilter = filter,
+                             .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                             .addressModeU = address,
+                             .addressModeV = address,
+                             .addressModeW = address,
+                             .compareEnable = compare,
+                             .compareOp = VK_COMPARE_OP_GREATER_OR_EQUAL,
                              .maxLod = VK_LOD_CLAMP_NONE};
   VkSampler sampler = VK_NULL_HANDLE;
   NF_VK(vkCreateSampler(device.handle, &create, nullptr, &sampler));
@@ -34,10 +46,11 @@ VkSampler create_sampler(Device& device, VkFilter filter, VkSamplerAddressMode a
 
 bool same(const RasterState& a, const RasterState& b) {
   return a.streams.size() == b.streams.size() && a.depth_test == b.depth_test && a.depth_write == b.depth_write &&
-         a.depth_compare == b.depth_compare && a.depth_bias == b.depth_bias && a.depth_bias_slope == b.depth_bias_slope &&
-         a.set1 == b.set1 &&
-         std::equal(a.streams.begin(), a.streams.end(), b.streams.begin(),
-                    [](const VertexStream& x, const VertexStream& y) { return x.format == y.format && x.stride == y.stride; });
+         a.depth_compare == b.depth_compare && a.depth_bias == b.depth_bias &&
+         a.depth_bias_slope == b.depth_bias_slope && a.set1 == b.set1 &&
+         std::equal(
+             a.streams.begin(), a.streams.end(), b.streams.begin(),
+             [](const VertexStream& x, const VertexStream& y) { return x.format == y.format && x.stride == y.stride; });
 }
 
 }  // namespace
@@ -48,12 +61,14 @@ Pipelines::Pipelines(Device& device, ShaderCompiler compiler, std::filesystem::p
   if (!cache.empty()) {
     std::string id;
     for (const uint8_t byte : device.properties.pipelineCacheUUID) id += fmt::format("{:02x}", byte);
-    cache_file_ = cache / fmt::format("pipelines-{:x}-{:x}-{}.bin", device.properties.vendorID, device.properties.deviceID, id);
+    cache_file_ =
+        cache / fmt::format("pipelines-{:x}-{:x}-{}.bin", device.properties.vendorID, device.properties.deviceID, id);
     std::ifstream in(cache_file_, std::ios::binary);
     old.assign(std::istreambuf_iterator<char>(in), {});
   }
   // The driver checks the header and ignores a foreign or damaged cache.
-  VkPipelineCacheCreateInfo create{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, .initialDataSize = old.size(), .pInitialData = old.data()};
+  VkPipelineCacheCreateInfo create{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, .initialDataSize = old.size(), .pInitialData = old.data()};
   if (vkCreatePipelineCache(device_.handle, &create, nullptr, &cache_) != VK_SUCCESS) {
     create.initialDataSize = 0;
     NF_VK(vkCreatePipelineCache(device_.handle, &create, nullptr, &cache_));
@@ -91,13 +106,16 @@ Pipelines::~Pipelines() {
   vkDestroyPipelineCache(device_.handle, cache_, nullptr);
 }
 
-Pipeline Pipelines::compute(const std::string& file, const Defines& defines) { return add({file}, defines, {}); }
+Pipeline Pipelines::compute(const std::string& file, const Defines& defines) {
+  return add({file}, defines, {});
+}
 
 Pipeline Pipelines::fullscreen(const std::string& fragment_file, const Defines& defines) {
   return add({"common/fullscreen.vert", fragment_file}, defines, {});
 }
 
-Pipeline Pipelines::raster(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines, const RasterState& state) {
+Pipeline Pipelines::raster(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines,
+                           const RasterState& state) {
   return fragment_file.empty() ? add({vertex_file}, defines, state) : add({vertex_file, fragment_file}, defines, state);
 }
 
@@ -112,17 +130,22 @@ Pipeline Pipelines::add(std::vector<std::string> files, const Defines& defines, 
   for (const CompiledStage& stage : row.program.stages) stages |= stage.stage;
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   for (const Slot& slot : row.program.interface.slots)
-    bindings.push_back({.binding = slot.binding, .descriptorType = descriptor_type(slot.kind), .descriptorCount = 1, .stageFlags = stages});
+    bindings.push_back({.binding = slot.binding,
+                        .descriptorType = descriptor_type(slot.kind),
+                        .descriptorCount = 1,
+                        .stageFlags = stages});
   if (bindings.size() > device_.facts.max_push_descriptors)
-    fail(Exit::Shader, "{}: {} slots, but {} takes {} push descriptors", row.files.back(), bindings.size(), device_.info.name,
-         device_.facts.max_push_descriptors);
+    fail(Exit::Shader, "{}: {} slots, but {} takes {} push descriptors", row.files.back(), bindings.size(),
+         device_.info.name, device_.facts.max_push_descriptors);
   VkDescriptorSetLayoutCreateInfo set_create{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                              .flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR,
-                                             .bindingCount = uint32_t(bindings.size()), .pBindings = bindings.data()};
+                                             .bindingCount = uint32_t(bindings.size()),
+                                             .pBindings = bindings.data()};
   NF_VK(vkCreateDescriptorSetLayout(device_.handle, &set_create, nullptr, &row.set0));
   const VkDescriptorSetLayout sets[] = {row.set0, state.set1};
   VkPipelineLayoutCreateInfo layout_create{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                           .setLayoutCount = state.set1 ? 2u : 1u, .pSetLayouts = sets};
+                                           .setLayoutCount = state.set1 ? 2u : 1u,
+                                           .pSetLayouts = sets};
   NF_VK(vkCreatePipelineLayout(device_.handle, &layout_create, nullptr, &row.layout));
   rows_.push_back(std::move(row));
   return {PipelineId{uint16_t(rows_.size() - 1)}, &rows_.back().program.interface};
@@ -130,9 +153,11 @@ Pipeline Pipelines::add(std::vector<std::string> files, const Defines& defines, 
 
 Pipelines::Bound Pipelines::get(PipelineId id, std::span<const VkFormat> colors, VkFormat depth) {
   Row& row = rows_[id.id];
-  const auto point = row.program.stages.front().stage == VK_SHADER_STAGE_COMPUTE_BIT ? VK_PIPELINE_BIND_POINT_COMPUTE : VK_PIPELINE_BIND_POINT_GRAPHICS;
+  const auto point = row.program.stages.front().stage == VK_SHADER_STAGE_COMPUTE_BIT ? VK_PIPELINE_BIND_POINT_COMPUTE
+                                                                                     : VK_PIPELINE_BIND_POINT_GRAPHICS;
   for (const Variant& variant : row.variants)
-    if (variant.depth == depth && std::equal(variant.colors.begin(), variant.colors.end(), colors.begin(), colors.end()))
+    if (variant.depth == depth &&
+        std::equal(variant.colors.begin(), variant.colors.end(), colors.begin(), colors.end()))
       return {variant.pipeline, row.layout, point};
   const VkPipeline pipeline = create(row, colors, depth);
   row.variants.push_back({{colors.begin(), colors.end()}, depth, pipeline});
@@ -143,20 +168,27 @@ VkPipeline Pipelines::create(Row& row, std::span<const VkFormat> colors, VkForma
   const Doing doing("creating the pipeline of " + row.files.back());
   std::vector<VkPipelineShaderStageCreateInfo> stages;
   for (const CompiledStage& stage : row.program.stages) {
-    VkShaderModuleCreateInfo create{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = stage.spirv.size() * 4, .pCode = stage.spirv.data()};
+    VkShaderModuleCreateInfo create{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                    .codeSize = stage.spirv.size() * 4,
+                                    .pCode = stage.spirv.data()};
     VkShaderModule module = VK_NULL_HANDLE;
     NF_VK(vkCreateShaderModule(device_.handle, &create, nullptr, &module));
-    stages.push_back({.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, .stage = stage.stage, .module = module, .pName = "main"});
+    stages.push_back({.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                      .stage = stage.stage,
+                      .module = module,
+                      .pName = "main"});
   }
   VkPipeline pipeline = VK_NULL_HANDLE;
   if (stages[0].stage == VK_SHADER_STAGE_COMPUTE_BIT) {
-    VkComputePipelineCreateInfo create{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .stage = stages[0], .layout = row.layout};
+    VkComputePipelineCreateInfo create{
+        .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .stage = stages[0], .layout = row.layout};
     NF_VK(vkCreateComputePipelines(device_.handle, cache_, 1, &create, nullptr, &pipeline));
   } else {
     std::vector<VkVertexInputBindingDescription> bindings;
     std::vector<VkVertexInputAttributeDescription> attributes;
     for (uint32_t i = 0; i < row.state.streams.size(); ++i) {
-      bindings.push_back({.binding = i, .stride = row.state.streams[i].stride, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX});
+      bindings.push_back(
+          {.binding = i, .stride = row.state.streams[i].stride, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX});
       attributes.push_back({.location = i, .binding = i, .format = row.state.streams[i].format, .offset = 0});
     }
     VkPipelineVertexInputStateCreateInfo vertex{.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
@@ -164,33 +196,51 @@ VkPipeline Pipelines::create(Row& row, std::span<const VkFormat> colors, VkForma
                                                 .pVertexBindingDescriptions = bindings.data(),
                                                 .vertexAttributeDescriptionCount = uint32_t(attributes.size()),
                                                 .pVertexAttributeDescriptions = attributes.data()};
-    VkPipelineInputAssemblyStateCreateInfo assembly{.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-                                                    .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-    VkPipelineViewportStateCreateInfo viewport{.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+    VkPipelineInputAssemblyStateCreateInfo assembly{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+    VkPipelineViewportStateCreateInfo viewport{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
     const bool bias = row.state.depth_bias != 0 || row.state.depth_bias_slope != 0;
     VkPipelineRasterizationStateCreateInfo raster{.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-                                                  .polygonMode = VK_POLYGON_MODE_FILL, .depthBiasEnable = bias,
+                                                  .polygonMode = VK_POLYGON_MODE_FILL,
+                                                  .depthBiasEnable = bias,
                                                   .depthBiasConstantFactor = row.state.depth_bias,
-                                                  .depthBiasSlopeFactor = row.state.depth_bias_slope, .lineWidth = 1};
+                                                  .depthBiasSlopeFactor = row.state.depth_bias_slope,
+                                                  .lineWidth = 1};
     VkPipelineMultisampleStateCreateInfo samples{.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
                                                  .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-    VkPipelineDepthStencilStateCreateInfo depth_state{.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-                                                      .depthTestEnable = row.state.depth_test, .depthWriteEnable = row.state.depth_write,
-                                                      .depthCompareOp = row.state.depth_compare};
+    VkPipelineDepthStencilStateCreateInfo depth_state{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+        .depthTestEnable = row.state.depth_test,
+        .depthWriteEnable = row.state.depth_write,
+        .depthCompareOp = row.state.depth_compare};
     std::vector<VkPipelineColorBlendAttachmentState> blends(colors.size(), {.colorWriteMask = 0xf});
     VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-                                              .attachmentCount = uint32_t(blends.size()), .pAttachments = blends.data()};
-    const VkDynamicState dynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR, VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE};
+                                              .attachmentCount = uint32_t(blends.size()),
+                                              .pAttachments = blends.data()};
+    const VkDynamicState dynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR, VK_DYNAMIC_STATE_CULL_MODE,
+                                      VK_DYNAMIC_STATE_FRONT_FACE};
     VkPipelineDynamicStateCreateInfo dynamics{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-                                              .dynamicStateCount = uint32_t(std::size(dynamic)), .pDynamicStates = dynamic};
+                                              .dynamicStateCount = uint32_t(std::size(dynamic)),
+                                              .pDynamicStates = dynamic};
     VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-                                            .colorAttachmentCount = uint32_t(colors.size()), .pColorAttachmentFormats = colors.data(),
+                                            .colorAttachmentCount = uint32_t(colors.size()),
+                                            .pColorAttachmentFormats = colors.data(),
                                             .depthAttachmentFormat = depth};
-    VkGraphicsPipelineCreateInfo create{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, .pNext = &rendering,
-                                        .stageCount = uint32_t(stages.size()), .pStages = stages.data(), .pVertexInputState = &vertex,
-                                        .pInputAssemblyState = &assembly, .pViewportState = &viewport, .pRasterizationState = &raster,
-                                        .pMultisampleState = &samples, .pDepthStencilState = &depth_state, .pColorBlendState = &blend,
-                                        .pDynamicState = &dynamics, .layout = row.layout};
+    VkGraphicsPipelineCreateInfo create{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                        .pNext = &rendering,
+                                        .stageCount = uint32_t(stages.size()),
+                                        .pStages = stages.data(),
+                                        .pVertexInputState = &vertex,
+                                        .pInputAssemblyState = &assembly,
+                                        .pViewportState = &viewport,
+                                        .pRasterizationState = &raster,
+                                        .pMultisampleState = &samples,
+                                        .pDepthStencilState = &depth_state,
+                                        .pColorBlendState = &blend,
+                                        .pDynamicState = &dynamics,
+                                        .layout = row.layout};
     NF_VK(vkCreateGraphicsPipelines(device_.handle, cache_, 1, &create, nullptr, &pipeline));
   }
   for (const auto& stage : stages) vkDestroyShaderModule(device_.handle, stage.module, nullptr);

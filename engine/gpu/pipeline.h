@@ -1,4 +1,5 @@
-// Pipelines by handle: compiled on first use, kept with their shader interface, cached on disk by the driver's own format.
+// Pipelines by handle: compiled on first use, kept with their shader interface, cached on disk by the driver's own
+// format.
 #pragma once
 
 #include <deque>
@@ -48,7 +49,8 @@ class Pipelines {
   // The same files, defines and state give the same handle. Throw nf::Error (Exit::Shader).
   Pipeline compute(const std::string& file, const Defines& defines = {});
   Pipeline fullscreen(const std::string& fragment_file, const Defines& defines = {});
-  Pipeline raster(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines, const RasterState& state);
+  Pipeline raster(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines,
+                  const RasterState& state);
 
   struct Bound {
     VkPipeline pipeline = VK_NULL_HANDLE;

@@ -9,18 +9,30 @@ namespace {
 
 VkFormat format_of(spv::ImageFormat format) {
   switch (format) {
-    case spv::ImageFormatR32f: return VK_FORMAT_R32_SFLOAT;
-    case spv::ImageFormatR32ui: return VK_FORMAT_R32_UINT;
-    case spv::ImageFormatRgba32f: return VK_FORMAT_R32G32B32A32_SFLOAT;
-    case spv::ImageFormatRgba16f: return VK_FORMAT_R16G16B16A16_SFLOAT;
-    case spv::ImageFormatRg16f: return VK_FORMAT_R16G16_SFLOAT;
-    case spv::ImageFormatRg32f: return VK_FORMAT_R32G32_SFLOAT;
-    case spv::ImageFormatR16f: return VK_FORMAT_R16_SFLOAT;
-    case spv::ImageFormatRgba8: return VK_FORMAT_R8G8B8A8_UNORM;
-    case spv::ImageFormatR8: return VK_FORMAT_R8_UNORM;
-    case spv::ImageFormatRgb10A2: return VK_FORMAT_A2B10G10R10_UNORM_PACK32;
-    case spv::ImageFormatR11fG11fB10f: return VK_FORMAT_B10G11R11_UFLOAT_PACK32;
-    default: return VK_FORMAT_UNDEFINED;
+    case spv::ImageFormatR32f:
+      return VK_FORMAT_R32_SFLOAT;
+    case spv::ImageFormatR32ui:
+      return VK_FORMAT_R32_UINT;
+    case spv::ImageFormatRgba32f:
+      return VK_FORMAT_R32G32B32A32_SFLOAT;
+    case spv::ImageFormatRgba16f:
+      return VK_FORMAT_R16G16B16A16_SFLOAT;
+    case spv::ImageFormatRg16f:
+      return VK_FORMAT_R16G16_SFLOAT;
+    case spv::ImageFormatRg32f:
+      return VK_FORMAT_R32G32_SFLOAT;
+    case spv::ImageFormatR16f:
+      return VK_FORMAT_R16_SFLOAT;
+    case spv::ImageFormatRgba8:
+      return VK_FORMAT_R8G8B8A8_UNORM;
+    case spv::ImageFormatR8:
+      return VK_FORMAT_R8_UNORM;
+    case spv::ImageFormatRgb10A2:
+      return VK_FORMAT_A2B10G10R10_UNORM_PACK32;
+    case spv::ImageFormatR11fG11fB10f:
+      return VK_FORMAT_B10G11R11_UFLOAT_PACK32;
+    default:
+      return VK_FORMAT_UNDEFINED;
   }
 }
 
@@ -51,19 +63,25 @@ class Reflector {
         out_.color_outputs[location] = output.name;
       }
     if (stage.stage == VK_SHADER_STAGE_COMPUTE_BIT)
-      for (uint32_t i = 0; i < 3; ++i) out_.local_size[i] = compiler.get_execution_mode_argument(spv::ExecutionModeLocalSize, i);
+      for (uint32_t i = 0; i < 3; ++i)
+        out_.local_size[i] = compiler.get_execution_mode_argument(spv::ExecutionModeLocalSize, i);
   }
 
  private:
-  void add_all(const spirv_cross::Compiler& compiler, const spirv_cross::SmallVector<spirv_cross::Resource>& resources, SlotKind kind) {
+  void add_all(const spirv_cross::Compiler& compiler, const spirv_cross::SmallVector<spirv_cross::Resource>& resources,
+               SlotKind kind) {
     for (const auto& resource : resources) {
       if (compiler.get_decoration(resource.id, spv::DecorationDescriptorSet) != 0) continue;  // set 1 is the materials'
-      Slot slot{.name = slot_name(compiler, resource, kind == SlotKind::UniformBlock || kind == SlotKind::StorageBuffer), .kind = kind, .binding = compiler.get_decoration(resource.id, spv::DecorationBinding)};
+      Slot slot{
+          .name = slot_name(compiler, resource, kind == SlotKind::UniformBlock || kind == SlotKind::StorageBuffer),
+          .kind = kind,
+          .binding = compiler.get_decoration(resource.id, spv::DecorationBinding)};
       const auto& type = compiler.get_type(resource.base_type_id);
       if (kind == SlotKind::UniformBlock) {
         slot.block_size = uint32_t(compiler.get_declared_struct_size(type));
         for (uint32_t i = 0; i < type.member_types.size(); ++i)
-          slot.members.emplace_back(compiler.get_member_name(type.self, i), compiler.type_struct_member_offset(type, i));
+          slot.members.emplace_back(compiler.get_member_name(type.self, i),
+                                    compiler.type_struct_member_offset(type, i));
       } else if (kind == SlotKind::StorageImage) {
         slot.format = format_of(type.image.format);
         slot.readonly = compiler.has_decoration(resource.id, spv::DecorationNonWritable);
@@ -73,7 +91,8 @@ class Reflector {
         slot.readonly = flags.get(spv::DecorationNonWritable);
         slot.writeonly = flags.get(spv::DecorationNonReadable);
       }
-      const auto same = std::find_if(out_.slots.begin(), out_.slots.end(), [&](const Slot& s) { return s.name == slot.name; });
+      const auto same =
+          std::find_if(out_.slots.begin(), out_.slots.end(), [&](const Slot& s) { return s.name == slot.name; });
       if (same == out_.slots.end())
         out_.slots.push_back(std::move(slot));
       else
@@ -121,7 +140,8 @@ ShaderInterface reflect(const std::vector<CompiledStage>& stages) {
   ShaderInterface result;
   Reflector reflector(result);
   for (const CompiledStage& stage : stages) reflector.add(stage);
-  std::sort(result.slots.begin(), result.slots.end(), [](const Slot& a, const Slot& b) { return a.binding < b.binding; });
+  std::sort(result.slots.begin(), result.slots.end(),
+            [](const Slot& a, const Slot& b) { return a.binding < b.binding; });
   return result;
 }
 

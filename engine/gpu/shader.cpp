@@ -1,15 +1,14 @@
 // glslang behind a small face. The cache key is the text of everything that goes in, so a stale entry cannot be hit.
 #include "gpu/shader.h"
 
-#include <glslang/SPIRV/GlslangToSpv.h>
-#include <glslang/Public/ResourceLimits.h>
-#include <glslang/Public/ShaderLang.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <glslang/Public/ResourceLimits.h>
+#include <glslang/Public/ShaderLang.h>
+#include <glslang/SPIRV/GlslangToSpv.h>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -54,7 +53,7 @@ EShLanguage language_of(const std::string& file) {
 }
 
 VkShaderStageFlagBits stage_of(EShLanguage language) {
-  return language == EShLangCompute ? VK_SHADER_STAGE_COMPUTE_BIT
+  return language == EShLangCompute  ? VK_SHADER_STAGE_COMPUTE_BIT
          : language == EShLangVertex ? VK_SHADER_STAGE_VERTEX_BIT
                                      : VK_SHADER_STAGE_FRAGMENT_BIT;
 }
@@ -82,7 +81,9 @@ std::string tidy_log(const std::string& log) {
   while (std::getline(in, line)) {
     if (line.rfind("ERROR: ", 0) != 0) continue;
     line = line.substr(7);
-    if (line.find("compilation errors") != std::string::npos || line.find("compilation terminated") != std::string::npos) continue;
+    if (line.find("compilation errors") != std::string::npos ||
+        line.find("compilation terminated") != std::string::npos)
+      continue;
     result += (result.empty() ? "" : "\n") + line;
   }
   return result.empty() ? log : result;
@@ -108,20 +109,24 @@ void ShaderCompiler::add_table(const ParamTable& table) {
   generated_[fmt::format("params/{}", table.prefix)] = params::glsl_block(table);
 }
 
-void ShaderCompiler::add_define(std::string name, std::string value) { defines_.emplace_back(std::move(name), std::move(value)); }
+void ShaderCompiler::add_define(std::string name, std::string value) {
+  defines_.emplace_back(std::move(name), std::move(value));
+}
 
 CompiledProgram ShaderCompiler::compile(const std::vector<std::string>& files, const Defines& defines) const {
   // Everything that can be included from these files, whether or not a condition skips it: the cache key and the
   // dependencies must not depend on preprocessing.
   std::map<std::string, std::string> texts;
-  std::function<void(const std::string&, const std::string&, int)> gather = [&](const std::string& name, const std::string& from, int line) {
+  std::function<void(const std::string&, const std::string&, int)> gather = [&](const std::string& name,
+                                                                                const std::string& from, int line) {
     if (texts.count(name)) return;
     if (const auto it = generated_.find(name); it != generated_.end())
       texts[name] = it->second;
     else if (fs::exists(folder_ / name))
       texts[name] = read_file(folder_ / name, name);
     else
-      fail(Exit::Shader, "{}:{}: cannot find the include \"{}\": it is neither in {} nor a parameter table", from, line, name, folder_.string());
+      fail(Exit::Shader, "{}:{}: cannot find the include \"{}\": it is neither in {} nor a parameter table", from, line,
+           name, folder_.string());
     std::istringstream in(texts[name]);
     std::string text_line;
     for (int number = 1; std::getline(in, text_line); ++number) {
@@ -231,9 +236,9 @@ fs::path find_shader_folder() {
   if (const char* data = std::getenv("NEARFIELD_DATA_DIR")) candidates.push_back(fs::path(data) / "shaders");
   std::error_code error;
   const fs::path binary = fs::read_symlink("/proc/self/exe", error).parent_path();
-  candidates.push_back(binary / "../../shaders");                 // build/NAME/nearfield
-  candidates.push_back(binary / "../../../shaders");              // build/NAME/tests/*_test
-  candidates.push_back(binary / "../share/nearfield/shaders");    // installed
+  candidates.push_back(binary / "../../shaders");               // build/NAME/nearfield
+  candidates.push_back(binary / "../../../shaders");            // build/NAME/tests/*_test
+  candidates.push_back(binary / "../share/nearfield/shaders");  // installed
   for (const fs::path& candidate : candidates)
     if (fs::exists(candidate / "common")) return fs::canonical(candidate);
   fail(Exit::Input, "cannot find the shaders: looked in {}; set NEARFIELD_DATA_DIR to the folder that holds shaders/",

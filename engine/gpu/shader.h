@@ -1,5 +1,5 @@
-// Run-time GLSL to SPIR-V: includes, generated parameter blocks, #define variants, a cache on disk, and reflection. Shaders give
-// no binding numbers: they are assigned here and found again by name.
+// Run-time GLSL to SPIR-V: includes, generated parameter blocks, #define variants, a cache on disk, and reflection.
+// Shaders give no binding numbers: they are assigned here and found again by name.
 #pragma once
 
 #include <filesystem>
@@ -21,15 +21,15 @@ struct Slot {
   std::string name;
   SlotKind kind = SlotKind::UniformBlock;
   uint32_t binding = 0;
-  bool readonly = false, writeonly = false;  // storage images and buffers
-  VkFormat format = VK_FORMAT_UNDEFINED;     // storage images that name one
-  uint32_t block_size = 0;                   // uniform blocks: bytes
+  bool readonly = false, writeonly = false;               // storage images and buffers
+  VkFormat format = VK_FORMAT_UNDEFINED;                  // storage images that name one
+  uint32_t block_size = 0;                                // uniform blocks: bytes
   std::vector<std::pair<std::string, uint32_t>> members;  // uniform blocks: name, byte offset
 };
 
 // What a pipeline's shaders expect: the graph matches it with a pass's uses by name.
 struct ShaderInterface {
-  std::vector<Slot> slots;  // set 0, all stages
+  std::vector<Slot> slots;                 // set 0, all stages
   std::vector<std::string> color_outputs;  // fragment outputs by location
   uint32_t local_size[3] = {1, 1, 1};
   const Slot* find(std::string_view name) const;
@@ -66,7 +66,8 @@ class ShaderCompiler {
   Defines defines_;
 };
 
-// The folder with the GLSL files: NEARFIELD_DATA_DIR/shaders, beside the binary (build tree: the source's), or installed.
+// The folder with the GLSL files: NEARFIELD_DATA_DIR/shaders, beside the binary (build tree: the source's), or
+// installed.
 std::filesystem::path find_shader_folder();
 // $XDG_CACHE_HOME/nearfield or ~/.cache/nearfield; empty when neither can be made.
 std::filesystem::path cache_folder();

@@ -9,19 +9,25 @@ namespace nf::gpu {
 namespace {
 
 void run_now(Device& device, const std::function<void(VkCommandBuffer)>& record) {
-  VkCommandPoolCreateInfo create{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT, .queueFamilyIndex = device.queue_family};
+  VkCommandPoolCreateInfo create{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                 .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
+                                 .queueFamilyIndex = device.queue_family};
   VkCommandPool pool = VK_NULL_HANDLE;
   NF_VK(vkCreateCommandPool(device.handle, &create, nullptr, &pool));
-  VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, .commandPool = pool,
-                                       .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY, .commandBufferCount = 1};
+  VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                       .commandPool = pool,
+                                       .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                       .commandBufferCount = 1};
   VkCommandBuffer commands = VK_NULL_HANDLE;
   NF_VK(vkAllocateCommandBuffers(device.handle, &allocate, &commands));
-  VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+  VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                 .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
   NF_VK(vkBeginCommandBuffer(commands, &begin));
   record(commands);
   NF_VK(vkEndCommandBuffer(commands));
   VkCommandBufferSubmitInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, .commandBuffer = commands};
-  VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &info};
+  VkSubmitInfo2 submit{
+      .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &info};
   NF_VK(vkQueueSubmit2(device.queue, 1, &submit, VK_NULL_HANDLE));
   NF_VK(vkQueueWaitIdle(device.queue));
   vkDestroyCommandPool(device.handle, pool, nullptr);
@@ -31,20 +37,30 @@ Buffer stage(Device& device, VkDeviceSize size, const std::string& name) {
   return create_buffer(device, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, Where::Host, name + " (staging)");
 }
 
-void image_barrier(VkCommandBuffer commands, const Image& image, VkImageLayout from, VkImageLayout to, VkPipelineStageFlags2 src,
-                   VkAccessFlags2 src_access, VkPipelineStageFlags2 dst, VkAccessFlags2 dst_access) {
-  VkImageMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2, .srcStageMask = src, .srcAccessMask = src_access,
-                                .dstStageMask = dst, .dstAccessMask = dst_access, .oldLayout = from, .newLayout = to,
-                                .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED, .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                .image = image.handle,
-                                .subresourceRange = {aspect_of(image.info.format), 0, image.info.mips, 0, image.info.layers}};
-  VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier};
+void image_barrier(VkCommandBuffer commands, const Image& image, VkImageLayout from, VkImageLayout to,
+                   VkPipelineStageFlags2 src, VkAccessFlags2 src_access, VkPipelineStageFlags2 dst,
+                   VkAccessFlags2 dst_access) {
+  VkImageMemoryBarrier2 barrier{
+      .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+      .srcStageMask = src,
+      .srcAccessMask = src_access,
+      .dstStageMask = dst,
+      .dstAccessMask = dst_access,
+      .oldLayout = from,
+      .newLayout = to,
+      .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .image = image.handle,
+      .subresourceRange = {aspect_of(image.info.format), 0, image.info.mips, 0, image.info.layers}};
+  VkDependencyInfo dependency{
+      .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier};
   vkCmdPipelineBarrier2(commands, &dependency);
 }
 
 }  // namespace
 
-Buffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUsageFlags usage, const std::string& name) {
+Buffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUsageFlags usage,
+                     const std::string& name) {
   const VkDeviceSize size = std::max<VkDeviceSize>(data.size(), 16);
   Buffer staging = stage(device, size, name);
   std::memset(staging.mapped, 0, 16);
@@ -53,17 +69,21 @@ Buffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUs
   run_now(device, [&](VkCommandBuffer commands) {
     const VkBufferCopy region{.size = size};
     vkCmdCopyBuffer(commands, staging.handle, buffer.handle, 1, &region);
-    VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2, .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-                             .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT, .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+    VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                             .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
+                             .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                             .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                              .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT};
-    VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
+    VkDependencyInfo dependency{
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
     vkCmdPipelineBarrier2(commands, &dependency);
   });
   destroy(device, staging);
   return buffer;
 }
 
-Image upload_image(Device& device, ImageInfo info, std::span<const ImagePart> parts, const std::string& name, bool array) {
+Image upload_image(Device& device, ImageInfo info, std::span<const ImagePart> parts, const std::string& name,
+                   bool array) {
   info.usage |= VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   Image image = create_image(device, info, name, array);
   VkDeviceSize total = 0;
@@ -75,13 +95,15 @@ Image upload_image(Device& device, ImageInfo info, std::span<const ImagePart> pa
     std::memcpy(staging.mapped + offset, part.texels.data(), part.texels.size());
     regions.push_back({.bufferOffset = offset,
                        .imageSubresource = {aspect_of(info.format), part.mip, part.layer, 1},
-                       .imageExtent = {std::max(info.extent.width >> part.mip, 1u), std::max(info.extent.height >> part.mip, 1u), 1}});
+                       .imageExtent = {std::max(info.extent.width >> part.mip, 1u),
+                                       std::max(info.extent.height >> part.mip, 1u), 1}});
     offset += part.texels.size();
   }
   run_now(device, [&](VkCommandBuffer commands) {
-    image_barrier(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_NONE, 0,
-                  VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
-    vkCmdCopyBufferToImage(commands, staging.handle, image.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, uint32_t(regions.size()), regions.data());
+    image_barrier(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                  VK_PIPELINE_STAGE_2_NONE, 0, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    vkCmdCopyBufferToImage(commands, staging.handle, image.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                           uint32_t(regions.size()), regions.data());
     image_barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                   VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                   VK_ACCESS_2_SHADER_READ_BIT);

@@ -10,7 +10,8 @@
 namespace nf::gpu {
 
 // A device buffer with these bytes. An empty span gives a buffer of 16 zero bytes, so that it can be bound.
-Buffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUsageFlags usage, const std::string& name);
+Buffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUsageFlags usage,
+                     const std::string& name);
 
 template <class T>
 Buffer upload_table(Device& device, const std::vector<T>& rows, VkBufferUsageFlags usage, const std::string& name) {
@@ -23,6 +24,7 @@ struct ImagePart {
   std::span<const std::byte> texels;
 };
 // Fills the whole image and leaves it in SHADER_READ_ONLY_OPTIMAL. info.usage gets SAMPLED and TRANSFER_DST added.
-Image upload_image(Device& device, ImageInfo info, std::span<const ImagePart> parts, const std::string& name, bool array);
+Image upload_image(Device& device, ImageInfo info, std::span<const ImagePart> parts, const std::string& name,
+                   bool array);
 
 }  // namespace nf::gpu

@@ -14,10 +14,10 @@ enum class Use : uint8_t {
   StorageImageReadWrite,
   ColorAttachment,
   DepthAttachment,
-  CopySource,         // read-back
+  CopySource,  // read-back
   StorageBufferRead,
   UniformBuffer,
-  HostRead,           // the end of a read-back
+  HostRead,  // the end of a read-back
 };
 
 enum class PassKind : uint8_t { Compute, Fullscreen, Raster, Readback };
@@ -32,7 +32,8 @@ struct Access {
 
 Access access_of(Use use, PassKind kind);
 inline bool writes(Use use) {
-  return use == Use::StorageImageWrite || use == Use::StorageImageReadWrite || use == Use::ColorAttachment || use == Use::DepthAttachment;
+  return use == Use::StorageImageWrite || use == Use::StorageImageReadWrite || use == Use::ColorAttachment ||
+         use == Use::DepthAttachment;
 }
 // Whether the use needs what was there before. Attachments do unless they are cleared or first written (compile knows).
 inline bool reads(Use use) {

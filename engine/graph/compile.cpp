@@ -1,12 +1,13 @@
 // Culling, lifetimes, barriers, load and store operations.
 //
-// Barriers: the uses of a resource, in order, form groups: every write is a group of its own, consecutive reads in the same
-// layout are one group. One barrier stands between neighbouring groups, at the first pass of the later one, and makes the
-// earlier group's writes visible to *all* passes of the later one; so no read group is synchronised twice. The list of
-// groups is closed to a ring over the frame's end: the first group of frame N+1 follows the last of frame N. For a history
-// the ring goes through both of its rows: what is `next` in one frame is `prev` in the following one.
+// Barriers: the uses of a resource, in order, form groups: every write is a group of its own, consecutive reads in the
+// same layout are one group. One barrier stands between neighbouring groups, at the first pass of the later one, and
+// makes the earlier group's writes visible to *all* passes of the later one; so no read group is synchronised twice.
+// The list of groups is closed to a ring over the frame's end: the first group of frame N+1 follows the last of frame
+// N. For a history the ring goes through both of its rows: what is `next` in one frame is `prev` in the following one.
 #include <algorithm>
 
+#include "graph/place.h"
 #include "graph/plan.h"
 
 namespace nf::graph {
@@ -24,6 +25,11 @@ std::span<const UseRow> uses_of(const Graph& graph, const PassRow& pass) {
   return std::span(graph.uses).subspan(pass.first_use, pass.use_count);
 }
 
+// Whether the pass's results depend on what was there before: a depth test's do, although no slot reads the image.
+bool depends_on_content(const UseRow& use) {
+  return reads(use.use) || (use.use == Use::DepthAttachment && !use.clear.clear);
+}
+
 bool needs_content(const UseRow& use, bool written_before) {
   if (use.clear.clear) return false;
   if (use.use == Use::ColorAttachment || use.use == Use::DepthAttachment) return written_before;  // load what is there
@@ -38,12 +44,13 @@ std::vector<bool> find_culled(const Graph& graph) {
     for (size_t i = graph.passes.size(); i-- > 0;) {
       const PassRow& pass = graph.passes[i];
       bool wanted = live[i] || pass.kind == PassKind::Readback;
-      for (const UseRow& use : uses_of(graph, pass)) wanted |= !use.is_buffer && writes(use.use) && needed[use.resource];
+      for (const UseRow& use : uses_of(graph, pass))
+        wanted |= !use.is_buffer && writes(use.use) && needed[use.resource];
       if (!wanted) continue;
       if (!live[i]) live[i] = changed = true;
       for (const UseRow& use : uses_of(graph, pass)) {
         if (use.is_buffer || needed[use.resource]) continue;
-        if (writes(use.use) && !reads(use.use)) continue;
+        if (!depends_on_content(use)) continue;
         needed[use.resource] = changed = true;
         const ResourceRow& row = graph.resources[use.resource];
         if (row.lifetime == Lifetime::HistoryPrev && !needed[row.pair]) needed[row.pair] = true;
@@ -90,18 +97,21 @@ struct PlacedBarrier {
   Barrier barrier;
 };
 
-void add_barriers(uint16_t resource, const std::vector<Group>& groups, const Group& before, bool keeps_content, std::vector<PlacedBarrier>& out) {
+// `joined`: the first group continues the one before it and needs no barrier.
+void add_barriers(uint16_t resource, const std::vector<Group>& groups, const Group& before, bool keeps_content,
+                  bool joined, std::vector<PlacedBarrier>& out) {
   const Group* previous = &before;
   bool first = true;
   for (const Group& group : groups) {
     const bool keep = first ? keeps_content : true;
-    out.push_back({group.position, Barrier{.resource = resource,
-                                           .src_stages = previous->stages,
-                                           .dst_stages = group.stages,
-                                           .src_access = previous->writes,
-                                           .dst_access = group.reads | group.writes,
-                                           .old_layout = keep ? previous->layout : VK_IMAGE_LAYOUT_UNDEFINED,
-                                           .new_layout = group.layout}});
+    if (!(first && joined))
+      out.push_back({group.position, Barrier{.resource = resource,
+                                             .src_stages = previous->stages,
+                                             .dst_stages = group.stages,
+                                             .src_access = previous->writes,
+                                             .dst_access = group.reads | group.writes,
+                                             .old_layout = keep ? previous->layout : VK_IMAGE_LAYOUT_UNDEFINED,
+                                             .new_layout = group.layout}});
     previous = &group;
     first = false;
   }
@@ -116,7 +126,7 @@ void plan_attachments(const Graph& graph, Plan& plan) {
     for (uint32_t i = pass.first_use; i < pass.first_use + pass.use_count; ++i) {
       const UseRow& use = graph.uses[i];
       if (use.is_buffer) continue;
-      plan.uses[i].load = use.clear.clear ? VK_ATTACHMENT_LOAD_OP_CLEAR
+      plan.uses[i].load = use.clear.clear         ? VK_ATTACHMENT_LOAD_OP_CLEAR
                           : written[use.resource] ? VK_ATTACHMENT_LOAD_OP_LOAD
                                                   : VK_ATTACHMENT_LOAD_OP_DONT_CARE;
       if (writes(use.use)) written[use.resource] = true;
@@ -137,9 +147,63 @@ void plan_attachments(const Graph& graph, Plan& plan) {
   }
 }
 
+// Sizes, heaps, offsets and alias predecessors of the live transients.
+void place_transients(const Graph& graph, const CompileOptions& options, Plan& plan) {
+  struct HeapGroup {
+    uint32_t type_bits;
+    std::vector<uint16_t> resources;
+    std::vector<PlaceItem> items;
+  };
+  std::vector<HeapGroup> groups;
+  std::vector<PlaceItem> everything;
+  for (uint16_t r = 0; r < plan.resources.size(); ++r) {
+    PlannedResource& planned = plan.resources[r];
+    const ImageDesc& desc = graph.resources[r].desc;
+    if (!planned.live) continue;
+    gpu::MemoryNeeds needs;
+    for (uint32_t mip = 0; mip < desc.mips; ++mip)
+      needs.size += uint64_t(std::max(desc.size.width >> mip, 1u)) * std::max(desc.size.height >> mip, 1u) *
+                    desc.layers * gpu::texel_bytes(desc.format);
+    if (options.needs) needs = options.needs(desc, planned.usage);
+    planned.bytes = needs.size;
+    planned.alias_of = {r};
+    if (graph.resources[r].lifetime != Lifetime::Transient) continue;
+    plan.unaliased_bytes += needs.size;
+    PlaceItem item{needs.size, needs.alignment, planned.first, planned.last};
+    everything.push_back(item);
+    if (needs.dedicated) {
+      plan.placed_bytes += needs.size;
+      continue;
+    }
+    // Without aliasing everything lives for the whole frame.
+    if (!options.alias) item.first = 0, item.last = uint32_t(plan.passes.size());
+    auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const HeapGroup& g) { return g.type_bits == needs.type_bits; });
+    if (group == groups.end()) group = groups.insert(groups.end(), HeapGroup{needs.type_bits, {}, {}});
+    group->resources.push_back(r);
+    group->items.push_back(item);
+  }
+  plan.max_live_bytes = max_live(everything);
+  for (const HeapGroup& group : groups) {
+    // Swaps cost the square of the count each; a large frame gets fewer.
+    const uint64_t square = uint64_t(group.items.size()) * group.items.size();
+    const Placement placement = place(group.items, uint32_t(std::min<uint64_t>(500, 20'000'000 / square)));
+    const auto before = alias_predecessors(group.items, placement.offset);
+    for (size_t i = 0; i < group.resources.size(); ++i) {
+      PlannedResource& planned = plan.resources[group.resources[i]];
+      planned.heap = int32_t(plan.heaps.size());
+      planned.offset = placement.offset[i];
+      planned.alias_of.clear();
+      for (const uint32_t other : before[i]) planned.alias_of.push_back(group.resources[other]);
+    }
+    plan.heaps.push_back({group.type_bits, placement.top});
+    plan.placed_bytes += placement.top;
+  }
+}
+
 }  // namespace
 
-Plan compile(const Graph& graph) {
+Plan compile(const Graph& graph, const CompileOptions& options) {
   Plan plan;
   plan.culled = find_culled(graph);
   for (uint32_t i = 0; i < graph.passes.size(); ++i)
@@ -151,13 +215,9 @@ Plan compile(const Graph& graph) {
   for (uint16_t r = 0; r < count; ++r) {
     groups[r] = find_groups(graph, plan, r);
     if (groups[r].empty()) continue;
-    const ImageDesc& desc = graph.resources[r].desc;
-    PlannedResource& planned = plan.resources[r];
-    planned.live = true;
-    planned.first_layout = groups[r].front().layout;
-    planned.last_layout = groups[r].back().layout;
-    for (uint32_t mip = 0; mip < desc.mips; ++mip)
-      planned.bytes += uint64_t(std::max(desc.size.width >> mip, 1u)) * std::max(desc.size.height >> mip, 1u) * desc.layers * gpu::texel_bytes(desc.format);
+    plan.resources[r].live = true;
+    plan.resources[r].first_layout = groups[r].front().layout;
+    plan.resources[r].last_layout = groups[r].back().layout;
   }
   for (uint32_t position = 0; position < plan.passes.size(); ++position) {
     const PassRow& pass = graph.passes[plan.passes[position].pass];
@@ -169,34 +229,46 @@ Plan compile(const Graph& graph) {
       planned.usage |= access_of(use.use, pass.kind).usage;
     }
   }
+  place_transients(graph, options, plan);
+
+  // Reads of next at a frame's end and of prev at the beginning of the following one are one group in two halves.
+  std::vector<bool> joined(count, false);
+  for (uint16_t r = 0; r < count; ++r) {
+    const ResourceRow& row = graph.resources[r];
+    if (row.lifetime != Lifetime::HistoryPrev || groups[r].empty() || groups[row.pair].empty()) continue;
+    Group &last = groups[row.pair].back(), &front = groups[r].front();
+    if (last.writes || front.writes || last.layout != front.layout) continue;
+    front.stages = last.stages |= front.stages;
+    front.reads = last.reads |= front.reads;
+    joined[r] = true;
+  }
 
   std::vector<PlacedBarrier> placed;
   for (uint16_t r = 0; r < count; ++r) {
     if (groups[r].empty()) continue;
     const ResourceRow& row = graph.resources[r];
-    const uint16_t other = row.lifetime == Lifetime::Transient || groups[row.pair].empty() ? r : row.pair;
-    const bool keeps = row.lifetime == Lifetime::HistoryPrev;
-    add_barriers(r, groups[r], groups[other].back(), keeps, placed);
+    Group before{};
+    if (row.lifetime != Lifetime::Transient) {
+      before = groups[groups[row.pair].empty() ? r : row.pair].back();
+    } else {
+      // Its own last use of the frame before is waited for too. That follows already, through the owners in between;
+      // but the validation layer tracks a barrier by its image's texels, which end before its padded memory does.
+      before.stages = groups[r].back().stages;
+      for (const uint16_t other : plan.resources[r].alias_of) {
+        before.stages |= groups[other].back().stages;
+        before.writes |= groups[other].back().writes;
+      }
+    }
+    add_barriers(r, groups[r], before, row.lifetime == Lifetime::HistoryPrev, joined[r], placed);
   }
-  std::stable_sort(placed.begin(), placed.end(), [](const PlacedBarrier& a, const PlacedBarrier& b) { return a.position < b.position; });
+  std::stable_sort(placed.begin(), placed.end(),
+                   [](const PlacedBarrier& a, const PlacedBarrier& b) { return a.position < b.position; });
   for (const PlacedBarrier& p : placed) {
     PlannedPass& pass = plan.passes[p.position];
     if (pass.barrier_count++ == 0) pass.first_barrier = uint32_t(plan.barriers.size());
     plan.barriers.push_back(p.barrier);
   }
-
   plan_attachments(graph, plan);
-
-  for (uint32_t position = 0; position < plan.passes.size(); ++position) {
-    uint64_t live = 0;
-    for (uint16_t r = 0; r < count; ++r) {
-      const PlannedResource& planned = plan.resources[r];
-      if (planned.live && graph.resources[r].lifetime == Lifetime::Transient && planned.first <= position && position <= planned.last) live += planned.bytes;
-    }
-    plan.max_live_bytes = std::max(plan.max_live_bytes, live);
-  }
-  for (uint16_t r = 0; r < count; ++r)
-    if (plan.resources[r].live && graph.resources[r].lifetime == Lifetime::Transient) plan.unaliased_bytes += plan.resources[r].bytes;
   return plan;
 }
 

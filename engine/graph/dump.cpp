@@ -10,21 +10,31 @@ using nlohmann::json;
 
 const char* layout_name(VkImageLayout layout) {
   switch (layout) {
-    case VK_IMAGE_LAYOUT_UNDEFINED: return "undefined";
-    case VK_IMAGE_LAYOUT_GENERAL: return "general";
-    case VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL: return "shader_read";
-    case VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL: return "color_attachment";
-    case VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL: return "depth_attachment";
-    case VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL: return "transfer_source";
-    default: return "other";
+    case VK_IMAGE_LAYOUT_UNDEFINED:
+      return "undefined";
+    case VK_IMAGE_LAYOUT_GENERAL:
+      return "general";
+    case VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL:
+      return "shader_read";
+    case VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL:
+      return "color_attachment";
+    case VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL:
+      return "depth_attachment";
+    case VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL:
+      return "transfer_source";
+    default:
+      return "other";
   }
 }
 
 std::string stages_text(VkPipelineStageFlags2 stages) {
   static const std::pair<VkPipelineStageFlags2, const char*> names[] = {
-      {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"},        {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, "vertex"},
-      {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, "fragment"},      {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, "color"},
-      {VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT, "early_depth"}, {VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT, "late_depth"},
+      {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"},
+      {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, "vertex"},
+      {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, "fragment"},
+      {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, "color"},
+      {VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT, "early_depth"},
+      {VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT, "late_depth"},
       {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"}};
   std::string text;
   for (const auto& [bit, name] : names)
@@ -52,7 +62,8 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
     const PassRow& pass = graph.passes[i];
     json uses = json::array(), barriers = json::array();
     for (const UseRow& use : uses_of(graph, pass))
-      uses.push_back({{"resource", use.is_buffer ? std::string(graph.buffers[use.resource].name) : resource_name(graph, use.resource)},
+      uses.push_back({{"resource", use.is_buffer ? std::string(graph.buffers[use.resource].name)
+                                                 : resource_name(graph, use.resource)},
                       {"use", access_of(use.use, pass.kind).name},
                       {"slot", use.slot ? json(use.slot) : json(nullptr)},
                       {"mip", 0}});
@@ -65,24 +76,52 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
                             {"from", layout_name(barrier.old_layout)},
                             {"to", layout_name(barrier.new_layout)}});
       }
-    passes.push_back({{"name", pass.name}, {"kind", kind_name(pass.kind)}, {"description", pass.description}, {"culled", bool(plan.culled[i])},
-                      {"uses", uses}, {"barriers", barriers}});
+    passes.push_back({{"name", pass.name},
+                      {"kind", kind_name(pass.kind)},
+                      {"description", pass.description},
+                      {"culled", bool(plan.culled[i])},
+                      {"uses", uses},
+                      {"barriers", barriers}});
   }
   for (uint16_t r = 0; r < graph.resources.size(); ++r) {
     const ResourceRow& row = graph.resources[r];
     const PlannedResource& p = plan.resources[r];
-    resources.push_back({{"name", resource_name(graph, r)}, {"kind", "image"}, {"format", gpu::format_name(row.desc.format)},
-                         {"size", {row.desc.size.width, row.desc.size.height}}, {"bytes", p.bytes}, {"first", p.live ? json(p.first) : json(nullptr)},
-                         {"last", p.live ? json(p.last) : json(nullptr)}, {"heap", nullptr}, {"offset", nullptr},
-                         {"transient", row.lifetime == Lifetime::Transient}, {"alias_of", json::array()}});
+    json alias_of = json::array();
+    for (const uint16_t other : p.alias_of)
+      if (other != r) alias_of.push_back(resource_name(graph, other));
+    resources.push_back({{"name", resource_name(graph, r)},
+                         {"kind", "image"},
+                         {"format", gpu::format_name(row.desc.format)},
+                         {"size", {row.desc.size.width, row.desc.size.height}},
+                         {"bytes", p.bytes},
+                         {"first", p.live ? json(p.first) : json(nullptr)},
+                         {"last", p.live ? json(p.last) : json(nullptr)},
+                         {"heap", p.heap >= 0 ? json(p.heap) : json(nullptr)},
+                         {"offset", p.heap >= 0 ? json(p.offset) : json(nullptr)},
+                         {"transient", row.lifetime == Lifetime::Transient},
+                         {"alias_of", alias_of}});
     if (row.lifetime == Lifetime::HistoryNext) histories.push_back({{"name", row.name}, {"live", p.live}});
   }
   for (const BufferRow& row : graph.buffers)
-    resources.push_back({{"name", row.name}, {"kind", "buffer"}, {"format", nullptr}, {"size", row.buffer->size}, {"bytes", row.buffer->size}, {"first", nullptr},
-                         {"last", nullptr}, {"heap", nullptr}, {"offset", nullptr}, {"transient", false}, {"alias_of", json::array()}});
-  // Every transient has memory of its own so far: what is placed is what is unaliased.
-  return {{"schema", "nearfield.graph/1"}, {"passes", passes}, {"resources", resources}, {"histories", histories},
-          {"memory", {{"placed_bytes", plan.unaliased_bytes}, {"max_live_bytes", plan.max_live_bytes}, {"unaliased_bytes", plan.unaliased_bytes}}}};
+    resources.push_back({{"name", row.name},
+                         {"kind", "buffer"},
+                         {"format", nullptr},
+                         {"size", row.buffer->size},
+                         {"bytes", row.buffer->size},
+                         {"first", nullptr},
+                         {"last", nullptr},
+                         {"heap", nullptr},
+                         {"offset", nullptr},
+                         {"transient", false},
+                         {"alias_of", json::array()}});
+  return {{"schema", "nearfield.graph/1"},
+          {"passes", passes},
+          {"resources", resources},
+          {"histories", histories},
+          {"memory",
+           {{"placed_bytes", plan.placed_bytes},
+            {"max_live_bytes", plan.max_live_bytes},
+            {"unaliased_bytes", plan.unaliased_bytes}}}};
 }
 
 std::string to_text(const Graph& graph, const Plan& plan) {
@@ -94,24 +133,29 @@ std::string to_text(const Graph& graph, const Plan& plan) {
     const PassRow& pass = graph.passes[i];
     std::string in, out;
     for (const UseRow& use : uses_of(graph, pass)) {
-      const std::string name = use.is_buffer ? std::string(graph.buffers[use.resource].name) : resource_name(graph, use.resource);
+      const std::string name =
+          use.is_buffer ? std::string(graph.buffers[use.resource].name) : resource_name(graph, use.resource);
       std::string& side = writes(use.use) && !use.is_buffer ? out : in;
       side += (side.empty() ? "" : ", ") + name;
     }
     const std::string number = planned[i] ? fmt::format("{}", position++) : "-";
-    text += fmt::format("{:3} {:22} {:10}  {} -> {}   [{}]\n", number, pass.name, planned[i] ? kind_name(pass.kind) : "culled", in,
-                        out.empty() ? "host" : out, planned[i] ? planned[i]->barrier_count : 0);
+    text += fmt::format("{:3} {:22} {:10}  {} -> {}   [{}]\n", number, pass.name,
+                        planned[i] ? kind_name(pass.kind) : "culled", in, out.empty() ? "host" : out,
+                        planned[i] ? planned[i]->barrier_count : 0);
   }
   text += fmt::format("\n{:26} {:20} {:>11} {:>10}  {}\n", "resource", "format", "size", "KiB", "lifetime (positions)");
   for (uint16_t r = 0; r < graph.resources.size(); ++r) {
     const ResourceRow& row = graph.resources[r];
     const PlannedResource& p = plan.resources[r];
-    text += fmt::format("{:26} {:20} {:>11} {:>10}  {}\n", resource_name(graph, r), gpu::format_name(row.desc.format),
-                        fmt::format("{}x{}", row.desc.size.width, row.desc.size.height), p.bytes / 1024,
-                        !p.live ? std::string("unused") : fmt::format("{}-{}{}", p.first, p.last, row.lifetime == Lifetime::Transient ? "" : " (history)"));
+    text += fmt::format(
+        "{:26} {:20} {:>11} {:>10}  {}\n", resource_name(graph, r), gpu::format_name(row.desc.format),
+        fmt::format("{}x{}", row.desc.size.width, row.desc.size.height), p.bytes / 1024,
+        !p.live ? std::string("unused")
+                : fmt::format("{}-{}{}", p.first, p.last, row.lifetime == Lifetime::Transient ? "" : " (history)"));
   }
-  text += fmt::format("\nmemory: placed {:.2f} MiB, max live {:.2f} MiB, unaliased {:.2f} MiB; {} barriers\n", double(plan.unaliased_bytes) / 1048576.0,
-                      double(plan.max_live_bytes) / 1048576.0, double(plan.unaliased_bytes) / 1048576.0, plan.barriers.size());
+  text += fmt::format("\nmemory: placed {:.2f} MiB, max live {:.2f} MiB, unaliased {:.2f} MiB; {} barriers\n",
+                      double(plan.placed_bytes) / 1048576.0, double(plan.max_live_bytes) / 1048576.0,
+                      double(plan.unaliased_bytes) / 1048576.0, plan.barriers.size());
   return text;
 }
 

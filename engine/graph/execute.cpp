@@ -7,14 +7,21 @@ namespace nf::graph {
 namespace {
 
 VkImageMemoryBarrier2 whole_image(const gpu::Image& image) {
-  return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2, .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED, .image = image.handle,
-          .subresourceRange = {gpu::aspect_of(image.info.format), 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS}};
+  return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .image = image.handle,
+          .subresourceRange = {gpu::aspect_of(image.info.format), 0, VK_REMAINING_MIP_LEVELS, 0,
+                               VK_REMAINING_ARRAY_LAYERS}};
 }
 
-void emit(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images, const VkMemoryBarrier2* memory = nullptr) {
-  VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = memory ? 1u : 0u, .pMemoryBarriers = memory,
-                              .imageMemoryBarrierCount = uint32_t(images.size()), .pImageMemoryBarriers = images.data()};
+void emit(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images,
+          const VkMemoryBarrier2* memory = nullptr) {
+  VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                              .memoryBarrierCount = memory ? 1u : 0u,
+                              .pMemoryBarriers = memory,
+                              .imageMemoryBarrierCount = uint32_t(images.size()),
+                              .pImageMemoryBarriers = images.data()};
   vkCmdPipelineBarrier2(commands, &dependency);
 }
 
@@ -23,8 +30,10 @@ void emit(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> image
 // Before a plan's first frame: everything earlier is finished, and histories are where the plan expects them. A history
 // that was never written is cleared, so that reading it is defined.
 void Executor::settle(const Graph& graph, VkCommandBuffer commands) {
-  VkMemoryBarrier2 all{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2, .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                       .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT, .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+  VkMemoryBarrier2 all{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                       .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                       .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                       .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
   emit(commands, {}, &all);
   for (uint16_t r = 0; r < graph.resources.size(); ++r) {
@@ -33,7 +42,8 @@ void Executor::settle(const Graph& graph, VkCommandBuffer commands) {
     PhysicalHistory& history = histories_[size_t(history_of_[r])];
     const uint32_t prev = 1 - parity_;
     // What the ring of compile.cpp takes as the state before the first use of prev.
-    const VkImageLayout expected = plan_.resources[row.pair].live ? plan_.resources[row.pair].last_layout : plan_.resources[r].last_layout;
+    const VkImageLayout expected =
+        plan_.resources[row.pair].live ? plan_.resources[row.pair].last_layout : plan_.resources[r].last_layout;
     VkImageMemoryBarrier2 barrier = whole_image(history.images[prev]);
     barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
@@ -42,7 +52,8 @@ void Executor::settle(const Graph& graph, VkCommandBuffer commands) {
       barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
       emit(commands, {&barrier, 1});
       const VkClearColorValue zero{};
-      vkCmdClearColorImage(commands, history.images[prev].handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &zero, 1, &barrier.subresourceRange);
+      vkCmdClearColorImage(commands, history.images[prev].handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &zero, 1,
+                           &barrier.subresourceRange);
       barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
     } else {
       barrier.oldLayout = history.layouts[prev];
@@ -78,22 +89,28 @@ gpu::Pipelines::Bound Executor::bind_pipeline(const Graph& graph, const PassRow&
     if (use.use == Use::DepthAttachment) depth = graph.resources[use.resource].desc.format;
     if (use.use != Use::ColorAttachment) continue;
     const auto& names = pass.pipeline.interface->color_outputs;
-    colors[size_t(std::find(names.begin(), names.end(), use.slot) - names.begin())] = graph.resources[use.resource].desc.format;
+    colors[size_t(std::find(names.begin(), names.end(), use.slot) - names.begin())] =
+        graph.resources[use.resource].desc.format;
   }
   return pipelines_.get(pass.pipeline.id, colors, depth);
 }
 
-void Executor::push_descriptors(const Graph& graph, const PassRow& pass, const gpu::Pipelines::Bound& bound, VkCommandBuffer commands,
-                                std::span<const gpu::UniformRange> uniforms) {
+void Executor::push_descriptors(const Graph& graph, const PassRow& pass, const gpu::Pipelines::Bound& bound,
+                                VkCommandBuffer commands, std::span<const gpu::UniformRange> uniforms) {
   const auto& slots = pass.pipeline.interface->slots;
   std::vector<VkDescriptorImageInfo> images;
   std::vector<VkDescriptorBufferInfo> buffers;
   std::vector<VkWriteDescriptorSet> writes;
   images.reserve(slots.size());
   buffers.reserve(slots.size());
-  const auto write = [&](const gpu::Slot& slot, VkDescriptorType type, const VkDescriptorImageInfo* im, const VkDescriptorBufferInfo* buf) {
-    writes.push_back({.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, .dstBinding = slot.binding, .descriptorCount = 1,
-                      .descriptorType = type, .pImageInfo = im, .pBufferInfo = buf});
+  const auto write = [&](const gpu::Slot& slot, VkDescriptorType type, const VkDescriptorImageInfo* im,
+                         const VkDescriptorBufferInfo* buf) {
+    writes.push_back({.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                      .dstBinding = slot.binding,
+                      .descriptorCount = 1,
+                      .descriptorType = type,
+                      .pImageInfo = im,
+                      .pBufferInfo = buf});
   };
   for (uint32_t i = pass.first_use; i < pass.first_use + pass.use_count; ++i) {
     const UseRow& use = graph.uses[i];
@@ -101,27 +118,33 @@ void Executor::push_descriptors(const Graph& graph, const PassRow& pass, const g
     const gpu::Slot& slot = *pass.pipeline.interface->find(use.slot);
     if (use.is_buffer) {
       const gpu::Buffer& buffer = *graph.buffers[use.resource].buffer;
-      write(slot, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, nullptr, &buffers.emplace_back(VkDescriptorBufferInfo{buffer.handle, 0, VK_WHOLE_SIZE}));
+      write(slot, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, nullptr,
+            &buffers.emplace_back(VkDescriptorBufferInfo{buffer.handle, 0, VK_WHOLE_SIZE}));
     } else {
       const Access access = access_of(use.use, pass.kind);
       const bool sampled = use.use == Use::SampledImage;
       write(slot, sampled ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-            &images.emplace_back(VkDescriptorImageInfo{VK_NULL_HANDLE, image(use.resource).view, access.layout}), nullptr);
+            &images.emplace_back(VkDescriptorImageInfo{VK_NULL_HANDLE, image(use.resource).view, access.layout}),
+            nullptr);
     }
   }
   const auto write_block = [&](const ParamRow& row, const gpu::UniformRange& range) {
     if (const gpu::Slot* slot = pass.pipeline.interface->find(row.table->prefix))
-      write(*slot, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, nullptr, &buffers.emplace_back(VkDescriptorBufferInfo{range.buffer, range.offset, range.size}));
+      write(*slot, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, nullptr,
+            &buffers.emplace_back(VkDescriptorBufferInfo{range.buffer, range.offset, range.size}));
   };
-  for (uint32_t i = 0; i < pass.param_count; ++i) write_block(graph.params[pass.first_param + i], uniforms[pass.first_param + i]);
+  for (uint32_t i = 0; i < pass.param_count; ++i)
+    write_block(graph.params[pass.first_param + i], uniforms[pass.first_param + i]);
   for (size_t i = 0; i < graph.shared.size(); ++i) write_block(graph.shared[i], uniforms[graph.params.size() + i]);
   for (const gpu::Slot& slot : slots)
     if (slot.kind == gpu::SlotKind::Sampler) {
       const VkSampler sampler = pipelines_.sampler(slot.name);
       NF_CHECK(sampler, "no sampler is named {}", slot.name);
-      write(slot, VK_DESCRIPTOR_TYPE_SAMPLER, &images.emplace_back(VkDescriptorImageInfo{sampler, VK_NULL_HANDLE, VK_IMAGE_LAYOUT_UNDEFINED}), nullptr);
+      write(slot, VK_DESCRIPTOR_TYPE_SAMPLER,
+            &images.emplace_back(VkDescriptorImageInfo{sampler, VK_NULL_HANDLE, VK_IMAGE_LAYOUT_UNDEFINED}), nullptr);
     }
-  if (!writes.empty()) device_.push_descriptor_set(commands, bound.point, bound.layout, 0, uint32_t(writes.size()), writes.data());
+  if (!writes.empty())
+    device_.push_descriptor_set(commands, bound.point, bound.layout, 0, uint32_t(writes.size()), writes.data());
 }
 
 void Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkCommandBuffer commands) {
@@ -134,7 +157,8 @@ void Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkComman
     const UseRow& use = graph.uses[i];
     if (use.use != Use::ColorAttachment && use.use != Use::DepthAttachment) continue;
     const bool is_depth = use.use == Use::DepthAttachment;
-    VkRenderingAttachmentInfo& attachment = is_depth ? depth : colors[size_t(std::find(names.begin(), names.end(), use.slot) - names.begin())];
+    VkRenderingAttachmentInfo& attachment =
+        is_depth ? depth : colors[size_t(std::find(names.begin(), names.end(), use.slot) - names.begin())];
     has_depth |= is_depth;
     const gpu::Image& target = image(use.resource);
     attachment.imageView = target.view;
@@ -147,8 +171,11 @@ void Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkComman
       std::copy_n(use.clear.color, 4, attachment.clearValue.color.float32);
     extent = target.info.extent;
   }
-  VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO, .renderArea = {{0, 0}, extent}, .layerCount = 1,
-                            .colorAttachmentCount = uint32_t(colors.size()), .pColorAttachments = colors.data(),
+  VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                            .renderArea = {{0, 0}, extent},
+                            .layerCount = 1,
+                            .colorAttachmentCount = uint32_t(colors.size()),
+                            .pColorAttachments = colors.data(),
                             .pDepthAttachment = has_depth ? &depth : nullptr};
   vkCmdBeginRendering(commands, &rendering);
   const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
@@ -157,8 +184,8 @@ void Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkComman
   vkCmdSetScissor(commands, 0, 1, &scissor);
 }
 
-void Executor::record_pass(const Graph& graph, const PlannedPass& planned, gpu::Frame& frame, const ExecuteOptions& options,
-                           std::span<const gpu::UniformRange> uniforms) {
+void Executor::record_pass(const Graph& graph, const PlannedPass& planned, gpu::Frame& frame,
+                           const ExecuteOptions& options, std::span<const gpu::UniformRange> uniforms) {
   const PassRow& pass = graph.passes[planned.pass];
   const VkCommandBuffer commands = frame.commands;
   VkDebugUtilsLabelEXT label{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, .pLabelName = pass.name};
@@ -173,9 +200,12 @@ void Executor::record_pass(const Graph& graph, const PlannedPass& planned, gpu::
     const gpu::Image& source = image(use.resource);
     const VkBufferImageCopy region{.imageSubresource = {gpu::aspect_of(source.info.format), 0, 0, 1},
                                    .imageExtent = {source.info.extent.width, source.info.extent.height, 1}};
-    vkCmdCopyImageToBuffer(commands, source.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback_buffers_[number].handle, 1, &region);
-    VkMemoryBarrier2 to_host{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2, .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-                             .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT, .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
+    vkCmdCopyImageToBuffer(commands, source.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                           readback_buffers_[number].handle, 1, &region);
+    VkMemoryBarrier2 to_host{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                             .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
+                             .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                             .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
                              .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
     emit(commands, {}, &to_host);
   } else {
@@ -206,7 +236,9 @@ void Recorder::bind_vertex_streams(std::span<const VkBuffer> buffers) const {
   const VkDeviceSize offsets[8] = {};
   vkCmdBindVertexBuffers(commands, 0, uint32_t(buffers.size()), buffers.data(), offsets);
 }
-void Recorder::bind_indices(VkBuffer buffer) const { vkCmdBindIndexBuffer(commands, buffer, 0, VK_INDEX_TYPE_UINT32); }
+void Recorder::bind_indices(VkBuffer buffer) const {
+  vkCmdBindIndexBuffer(commands, buffer, 0, VK_INDEX_TYPE_UINT32);
+}
 void Recorder::bind_set1(VkDescriptorSet set) const {
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &set, 0, nullptr);
 }

@@ -9,7 +9,8 @@
 
 namespace nf::graph {
 
-Executor::Executor(gpu::Device& device, gpu::Pipelines& pipelines) : device_(device), pipelines_(pipelines), ring_(device) {}
+Executor::Executor(gpu::Device& device, gpu::Pipelines& pipelines, bool alias)
+    : device_(device), pipelines_(pipelines), ring_(device), alias_(alias) {}
 
 Executor::~Executor() {
   vkDeviceWaitIdle(device_.handle);
@@ -20,6 +21,8 @@ Executor::~Executor() {
 
 void Executor::release() {
   for (gpu::Image& image : images_) destroy(device_, image);
+  for (gpu::Heap& heap : heaps_) destroy(device_, heap);
+  heaps_.clear();
   for (gpu::Buffer& buffer : readback_buffers_) destroy(device_, buffer);
   images_.clear();
   readback_buffers_.clear();
@@ -30,17 +33,38 @@ void Executor::invalidate_histories() {
   for (HistoryState& state : history_states_) state.written = false;
 }
 
+namespace {
+
+gpu::ImageInfo image_info(const ImageDesc& desc, VkImageUsageFlags usage) {
+  return {.extent = {desc.size.width, desc.size.height},
+          .format = desc.format,
+          .mips = desc.mips,
+          .layers = desc.layers,
+          .usage = usage};
+}
+
+}  // namespace
+
+Plan Executor::plan_for(const Graph& graph) const {
+  return compile(graph, {.alias = alias_, .needs = [this](const ImageDesc& desc, VkImageUsageFlags usage) {
+                           return gpu::image_needs(device_, image_info(desc, usage));
+                         }});
+}
+
 void Executor::replan(const Graph& graph, uint64_t hash) {
   const std::vector<Diagnostic> wrong = validate(graph);
   if (!wrong.empty()) {
-    std::string text = fmt::format("the frame graph is wrong in {} place{}:", wrong.size(), wrong.size() == 1 ? "" : "s");
+    std::string text =
+        fmt::format("the frame graph is wrong in {} place{}:", wrong.size(), wrong.size() == 1 ? "" : "s");
     for (const Diagnostic& d : wrong) text += "\n  " + d.text;
     throw Error(Exit::Internal, text);
   }
-  Plan plan = compile(graph);
+  Plan plan = plan_for(graph);
   device_.wait_idle();
   release();
   plan_ = std::move(plan);
+  for (const PlannedHeap& heap : plan_.heaps)
+    heaps_.push_back(create_heap(device_, heap.size, heap.type_bits, "the transient heap"));
   images_.resize(graph.resources.size());
   history_of_.assign(graph.resources.size(), -1);
   history_is_next_.assign(graph.resources.size(), 0);
@@ -49,12 +73,12 @@ void Executor::replan(const Graph& graph, uint64_t hash) {
   for (uint16_t r = 0; r < graph.resources.size(); ++r) {
     const ResourceRow& row = graph.resources[r];
     const PlannedResource& planned = plan_.resources[r];
-    const auto info = [&](VkImageUsageFlags usage) {
-      return gpu::ImageInfo{.extent = {row.desc.size.width, row.desc.size.height}, .format = row.desc.format, .mips = row.desc.mips,
-                            .layers = row.desc.layers, .usage = usage};
-    };
     if (row.lifetime == Lifetime::Transient) {
-      if (planned.live) images_[r] = create_image(device_, info(planned.usage), row.name);
+      if (!planned.live) continue;
+      const gpu::ImageInfo info = image_info(row.desc, planned.usage);
+      images_[r] = planned.heap < 0
+                       ? create_image(device_, info, row.name)
+                       : place_image(device_, info, row.name, heaps_[size_t(planned.heap)], planned.offset);
       continue;
     }
     history_is_next_[r] = row.lifetime == Lifetime::HistoryNext;
@@ -65,7 +89,7 @@ void Executor::replan(const Graph& graph, uint64_t hash) {
     });
     if (found == histories_.end()) {
       PhysicalHistory history{.name = row.name, .desc = row.desc, .usage = usage, .images = {}, .layouts = {}};
-      for (gpu::Image& image : history.images) image = create_image(device_, info(usage), row.name);
+      for (gpu::Image& image : history.images) image = create_image(device_, image_info(row.desc, usage), row.name);
       histories_.push_back(history);
       found = histories_.end() - 1;
     }
@@ -92,7 +116,8 @@ void Executor::replan(const Graph& graph, uint64_t hash) {
     if (pass.kind != PassKind::Readback) continue;
     const ImageDesc& desc = graph.resources[graph.uses[pass.first_use].resource].desc;
     const uint64_t bytes = uint64_t(desc.size.width) * desc.size.height * gpu::texel_bytes(desc.format);
-    readback_buffers_.push_back(create_buffer(device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Where::Host, pass.name));
+    readback_buffers_.push_back(
+        create_buffer(device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Where::Host, pass.name));
     readback_rows_.emplace_back(pass.name, desc);
   }
   hash_ = hash;
@@ -117,7 +142,8 @@ void Executor::run(const Graph& graph, const ExecuteOptions& options) {
   gpu::Frame& frame = ring_.begin(uniform_bytes, uint32_t(plan_.passes.size() + 1) * 2);
   std::vector<gpu::UniformRange> uniforms;  // the graph's params, then its shared blocks
   for (const auto* rows : {&graph.params, &graph.shared})
-    for (const ParamRow& row : *rows) uniforms.push_back(ring_.push_uniform(frame, std::span(graph.param_bytes).subspan(row.offset, row.table->size)));
+    for (const ParamRow& row : *rows)
+      uniforms.push_back(ring_.push_uniform(frame, std::span(graph.param_bytes).subspan(row.offset, row.table->size)));
 
   if (fresh_) settle(graph, frame.commands);
   last_passes_.clear();
@@ -137,7 +163,8 @@ void Executor::run(const Graph& graph, const ExecuteOptions& options) {
     if (row.lifetime != Lifetime::HistoryNext || history_of_[r] < 0 || !plan_.resources[r].live) continue;
     history_states_.push_back({row.name, row.desc, true});
     histories_[size_t(history_of_[r])].layouts[parity_] = plan_.resources[r].last_layout;
-    if (plan_.resources[row.pair].live) histories_[size_t(history_of_[r])].layouts[1 - parity_] = plan_.resources[row.pair].last_layout;
+    if (plan_.resources[row.pair].live)
+      histories_[size_t(history_of_[r])].layouts[1 - parity_] = plan_.resources[row.pair].last_layout;
   }
 }
 
@@ -166,7 +193,7 @@ std::vector<Readback> Executor::take_readbacks() {
 
 uint64_t Executor::allocated_bytes() const {
   uint64_t bytes = 0;
-  for (const gpu::Image& image : images_) bytes += image.bytes;
+  bytes += plan_.placed_bytes;
   for (const PhysicalHistory& history : histories_) bytes += history.images[0].bytes + history.images[1].bytes;
   return bytes;
 }
@@ -190,14 +217,23 @@ std::vector<float> to_floats(const Readback& readback, uint32_t& channels) {
     return out;
   };
   switch (readback.desc.format) {
-    case VK_FORMAT_R32_SFLOAT: return floats(1);
-    case VK_FORMAT_R32G32_SFLOAT: return floats(2);
-    case VK_FORMAT_R32G32B32A32_SFLOAT: return floats(4);
-    case VK_FORMAT_D32_SFLOAT: return floats(1);
-    case VK_FORMAT_R16_SFLOAT: return halves(1);
-    case VK_FORMAT_R16G16_SFLOAT: return halves(2);
-    case VK_FORMAT_R16G16B16A16_SFLOAT: return halves(4);
-    default: fail(Exit::Internal, "cannot turn the read-back '{}' of format {} into floats", readback.name, gpu::format_name(readback.desc.format));
+    case VK_FORMAT_R32_SFLOAT:
+      return floats(1);
+    case VK_FORMAT_R32G32_SFLOAT:
+      return floats(2);
+    case VK_FORMAT_R32G32B32A32_SFLOAT:
+      return floats(4);
+    case VK_FORMAT_D32_SFLOAT:
+      return floats(1);
+    case VK_FORMAT_R16_SFLOAT:
+      return halves(1);
+    case VK_FORMAT_R16G16_SFLOAT:
+      return halves(2);
+    case VK_FORMAT_R16G16B16A16_SFLOAT:
+      return halves(4);
+    default:
+      fail(Exit::Internal, "cannot turn the read-back '{}' of format {} into floats", readback.name,
+           gpu::format_name(readback.desc.format));
   }
 }
 

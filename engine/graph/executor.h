@@ -38,17 +38,21 @@ struct Readback {
 
 class Executor {
  public:
-  Executor(gpu::Device& device, gpu::Pipelines& pipelines);
+  // `alias` false: every transient has bytes of its own.
+  Executor(gpu::Device& device, gpu::Pipelines& pipelines, bool alias = true);
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
 
+  // How this executor compiles: with its device's sizes.
+  Plan plan_for(const Graph& graph) const;
   // For Graph's constructor.
   std::span<const HistoryState> histories() const { return history_states_; }
   // Forget what was written: the next graph gets invalid histories.
   void invalidate_histories();
 
-  // Plans (or takes the kept plan), records, submits. Throws nf::Error (Exit::Internal) with all diagnostics of a wrong graph.
+  // Plans (or takes the kept plan), records, submits. Throws nf::Error (Exit::Internal) with all diagnostics of a wrong
+  // graph.
   void run(const Graph& graph, const ExecuteOptions& options = {});
   // Waits for the last run; its times and read-backs.
   FrameResult finish();
@@ -74,8 +78,8 @@ class Executor {
   void record_pass(const Graph& graph, const PlannedPass& planned, gpu::Frame& frame, const ExecuteOptions& options,
                    std::span<const gpu::UniformRange> uniforms);
   void record_barriers(const PlannedPass& planned, VkCommandBuffer commands, const ExecuteOptions& options);
-  void push_descriptors(const Graph& graph, const PassRow& pass, const gpu::Pipelines::Bound& bound, VkCommandBuffer commands,
-                        std::span<const gpu::UniformRange> uniforms);
+  void push_descriptors(const Graph& graph, const PassRow& pass, const gpu::Pipelines::Bound& bound,
+                        VkCommandBuffer commands, std::span<const gpu::UniformRange> uniforms);
   void begin_rendering(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
   gpu::Pipelines::Bound bind_pipeline(const Graph& graph, const PassRow& pass);
 
@@ -86,9 +90,11 @@ class Executor {
   uint64_t hash_ = 0;
   uint64_t replans_ = 0;
   bool fresh_ = false;  // the plan has not run yet
-  std::vector<gpu::Image> images_;               // by resource; empty for histories
-  std::vector<int> history_of_;                  // by resource: row of histories_, or -1
-  std::vector<uint8_t> history_is_next_;         // by resource
+  bool alias_;
+  std::vector<gpu::Heap> heaps_;          // by row of Plan::heaps
+  std::vector<gpu::Image> images_;        // by resource; empty for histories
+  std::vector<int> history_of_;           // by resource: row of histories_, or -1
+  std::vector<uint8_t> history_is_next_;  // by resource
   std::vector<PhysicalHistory> histories_;
   std::vector<HistoryState> history_states_;
   uint32_t parity_ = 0;  // which physical image is `next` this frame
@@ -98,8 +104,8 @@ class Executor {
   std::vector<std::pair<const char*, const char*>> last_passes_;
 };
 
-// Writes the read-back of a texel format into floats, `channels` a texel. Packed formats of ours (normal, radiance) are the
-// passes' business: they have a float copy made before reading back.
+// Writes the read-back of a texel format into floats, `channels` a texel. Packed formats of ours (normal, radiance) are
+// the passes' business: they have a float copy made before reading back.
 std::vector<float> to_floats(const Readback& readback, uint32_t& channels);
 
 }  // namespace nf::graph

@@ -18,7 +18,8 @@ History Graph::history(const char* name, const ImageDesc& desc, Location at) {
   resources[next.id].lifetime = Lifetime::HistoryNext;
   resources[next.id].pair = prev.id;
   bool valid = false;
-  for (const HistoryState& state : histories_) valid |= state.written && state.desc == desc && !std::strcmp(state.name, name);
+  for (const HistoryState& state : histories_)
+    valid |= state.written && state.desc == desc && !std::strcmp(state.name, name);
   return {prev, next, valid};
 }
 
@@ -27,9 +28,16 @@ Buf Graph::import(const char* name, const gpu::Buffer& buffer, Location at) {
   return Buf{uint16_t(buffers.size() - 1)};
 }
 
-PassBuilder Graph::add_pass(const char* name, PassKind kind, gpu::Pipeline pipeline, const char* description, Location at) {
-  passes.push_back({.name = name, .description = description, .kind = kind, .pipeline = pipeline, .first_use = uint32_t(uses.size()),
-                    .first_param = uint32_t(params.size()), .draw = {}, .at = at});
+PassBuilder Graph::add_pass(const char* name, PassKind kind, gpu::Pipeline pipeline, const char* description,
+                            Location at) {
+  passes.push_back({.name = name,
+                    .description = description,
+                    .kind = kind,
+                    .pipeline = pipeline,
+                    .first_use = uint32_t(uses.size()),
+                    .first_param = uint32_t(params.size()),
+                    .draw = {},
+                    .at = at});
   return PassBuilder(*this, uint32_t(passes.size() - 1));
 }
 
@@ -57,11 +65,14 @@ uint32_t Graph::add_param_bytes(const ParamTable& table, const void* data) {
   return offset;
 }
 
-void Graph::share_raw(const ParamTable& table, const void* data, Location at) { shared.push_back({&table, add_param_bytes(table, data), at}); }
+void Graph::share_raw(const ParamTable& table, const void* data, Location at) {
+  shared.push_back({&table, add_param_bytes(table, data), at});
+}
 
 PassBuilder& PassBuilder::add(UseRow use) {
   PassRow& pass = graph_.passes[pass_];
-  NF_CHECK(pass.first_use + pass.use_count == graph_.uses.size(), "uses of {} must be added before the next pass", pass.name);
+  NF_CHECK(pass.first_use + pass.use_count == graph_.uses.size(), "uses of {} must be added before the next pass",
+           pass.name);
   graph_.uses.push_back(use);
   ++pass.use_count;
   return *this;
@@ -88,8 +99,12 @@ PassBuilder& PassBuilder::out(const char* slot, Tex tex, std::array<float, 4> cl
   return add({slot, tex.id, Use::ColorAttachment, false, {true, {clear[0], clear[1], clear[2], clear[3]}}, at});
 }
 
-PassBuilder& PassBuilder::inout(const char* slot, Tex tex, Location at) { return add({slot, tex.id, Use::StorageImageReadWrite, false, {}, at}); }
-PassBuilder& PassBuilder::depth(Tex tex, Location at) { return add({nullptr, tex.id, Use::DepthAttachment, false, {}, at}); }
+PassBuilder& PassBuilder::inout(const char* slot, Tex tex, Location at) {
+  return add({slot, tex.id, Use::StorageImageReadWrite, false, {}, at});
+}
+PassBuilder& PassBuilder::depth(Tex tex, Location at) {
+  return add({nullptr, tex.id, Use::DepthAttachment, false, {}, at});
+}
 PassBuilder& PassBuilder::depth(Tex tex, float clear, Location at) {
   return add({nullptr, tex.id, Use::DepthAttachment, false, {true, {clear, 0, 0, 0}}, at});
 }
@@ -123,7 +138,8 @@ uint64_t topology_hash(const Graph& graph) {
   for (const ResourceRow& r : graph.resources) {
     mix_text(r.name);
     mix(uint64_t(r.desc.size.width) << 32 | r.desc.size.height);
-    mix(uint64_t(r.desc.format) << 32 | uint64_t(r.desc.mips) << 16 | uint64_t(r.desc.layers) << 8 | uint64_t(r.lifetime));
+    mix(uint64_t(r.desc.format) << 32 | uint64_t(r.desc.mips) << 16 | uint64_t(r.desc.layers) << 8 |
+        uint64_t(r.lifetime));
   }
   for (const BufferRow& b : graph.buffers) mix_text(b.name);
   for (const PassRow& p : graph.passes) {

@@ -1,15 +1,15 @@
-// The frame graph as a value: rows for resources, passes and uses. Building one makes no Vulkan call; compile() (plan.h) turns it
-// into a Plan, execute() (executor.h) runs that. Declared order is execution order.
+// The frame graph as a value: rows for resources, passes and uses. Building one makes no Vulkan call; compile()
+// (plan.h) turns it into a Plan, execute() (executor.h) runs that. Declared order is execution order.
 //
 //   Tex visibility = graph.image("gtao.visibility", {size, VK_FORMAT_R16_SFLOAT});
 //   graph.compute("gtao.trace", trace_pipeline, "Horizon search along slices")
-//       .in("depth", gbuffer.depth).in("normal", gbuffer.normal).out("visibility", visibility).params(settings).over(visibility);
+//       .in("depth", gbuffer.depth).in("normal", gbuffer.normal).out("visibility",
+//       visibility).params(settings).over(visibility);
 //
 // Names are string literals (or live as long as the graph): they are kept as pointers.
 #pragma once
 
 #include <cstring>
-#include <source_location>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -25,7 +25,15 @@ struct TexTag;
 struct BufTag;
 using Tex = Handle<TexTag>;
 using Buf = Handle<BufTag>;
-using Location = std::source_location;
+
+// Where a call was written. std::source_location is missing from Clang 14 with Debian 12's standard library.
+struct Location {
+  const char* file = "";
+  uint32_t line = 0;
+  static constexpr Location current(const char* file = __builtin_FILE(), uint32_t line = __builtin_LINE()) {
+    return {file, line};
+  }
+};
 
 struct Size {
   uint32_t width = 1, height = 1;
@@ -109,7 +117,8 @@ struct DrawCallback {
   DrawCallback() = default;
   template <class F>
   explicit DrawCallback(const F& f) {
-    static_assert(std::is_trivially_copyable_v<F> && sizeof(F) <= sizeof(storage), "draw callbacks are small and trivially copyable");
+    static_assert(std::is_trivially_copyable_v<F> && sizeof(F) <= sizeof(storage),
+                  "draw callbacks are small and trivially copyable");
     std::memcpy(storage, &f, sizeof(F));
     invoke = [](const void* data, const Recorder& recorder) { (*static_cast<const F*>(data))(recorder); };
   }
@@ -167,9 +176,12 @@ class Graph {
   History history(const char* name, const ImageDesc& desc, Location at = Location::current());
   Buf import(const char* name, const gpu::Buffer& buffer, Location at = Location::current());
 
-  PassBuilder compute(const char* name, gpu::Pipeline pipeline, const char* description = "", Location at = Location::current());
-  PassBuilder fullscreen(const char* name, gpu::Pipeline pipeline, const char* description = "", Location at = Location::current());
-  PassBuilder raster(const char* name, gpu::Pipeline pipeline, const char* description = "", Location at = Location::current());
+  PassBuilder compute(const char* name, gpu::Pipeline pipeline, const char* description = "",
+                      Location at = Location::current());
+  PassBuilder fullscreen(const char* name, gpu::Pipeline pipeline, const char* description = "",
+                         Location at = Location::current());
+  PassBuilder raster(const char* name, gpu::Pipeline pipeline, const char* description = "",
+                     Location at = Location::current());
 
   // Keeps `tex` alive to the frame's end and copies it to the host. The returned number is the read-back's.
   uint32_t readback(const char* name, Tex tex, Location at = Location::current());

@@ -1,6 +1,7 @@
 // compile(): a pure function from a Graph to a Plan: culling, lifetimes, barriers, load and store. No device is needed.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,15 +12,15 @@ namespace nf::graph {
 // What is wrong with a graph. Every text names pass, slot, resource and the source lines involved.
 struct Diagnostic {
   enum class Kind : uint8_t {
-    SlotMissing,       // fed, but the shader has no such slot
-    SlotNotFed,        // the shader has it, the pass does not feed it
-    Direction,         // .in on a writeonly image, .out on a readonly one, a kind of descriptor that does not fit
-    FormatMismatch,    // the shader names another format than the image has
-    SizeMismatch,      // attachments or the thread image differ in size
-    ReadBeforeWrite,   // nothing wrote the resource in this frame
-    UsedTwice,         // one image used in two ways that exclude each other in one pass
-    StaleHandle,       // a handle that is not of this graph
-    BlockMismatch,     // a parameter block whose layout in the shader differs from the table
+    SlotMissing,      // fed, but the shader has no such slot
+    SlotNotFed,       // the shader has it, the pass does not feed it
+    Direction,        // .in on a writeonly image, .out on a readonly one, a kind of descriptor that does not fit
+    FormatMismatch,   // the shader names another format than the image has
+    SizeMismatch,     // attachments or the thread image differ in size
+    ReadBeforeWrite,  // nothing wrote the resource in this frame
+    UsedTwice,        // one image used in two ways that exclude each other in one pass
+    StaleHandle,      // a handle that is not of this graph
+    BlockMismatch,    // a parameter block whose layout in the shader differs from the table
   };
   Kind kind;
   std::string text;
@@ -49,7 +50,16 @@ struct PlannedResource {
   VkImageUsageFlags usage = 0;
   VkImageLayout first_layout = VK_IMAGE_LAYOUT_UNDEFINED;  // what the first use of the frame expects
   VkImageLayout last_layout = VK_IMAGE_LAYOUT_UNDEFINED;
-  uint64_t bytes = 0;  // texels only, without the device's padding
+  uint64_t bytes = 0;              // as the device wants them, or of the texels where no device was asked
+  int32_t heap = -1;               // row of Plan::heaps; -1: memory of its own (histories, dedicated images)
+  uint64_t offset = 0;             // in the heap
+  std::vector<uint16_t> alias_of;  // who owned the bytes before, going round the frame
+};
+
+// Transients that can live in the same memory types share a heap.
+struct PlannedHeap {
+  uint32_t type_bits = ~0u;
+  uint64_t size = 0;
 };
 
 struct Plan {
@@ -58,10 +68,18 @@ struct Plan {
   std::vector<Barrier> barriers;
   std::vector<PlannedUse> uses;  // by row of Graph::uses
   std::vector<PlannedResource> resources;
+  std::vector<PlannedHeap> heaps;
   uint64_t unaliased_bytes = 0;  // sum over live transients
   uint64_t max_live_bytes = 0;   // the largest sum over resources alive at one pass: the bound for any placement
+  uint64_t placed_bytes = 0;     // what the heaps and the dedicated transients really take
+};
+
+struct CompileOptions {
+  bool alias = true;  // transients share bytes where their lifetimes allow it
+  // What the device asks for an image; without it the texels count, unaligned.
+  std::function<gpu::MemoryNeeds(const ImageDesc&, VkImageUsageFlags)> needs;
 };
 // The graph must have passed validate().
-Plan compile(const Graph& graph);
+Plan compile(const Graph& graph, const CompileOptions& options = {});
 
 }  // namespace nf::graph

@@ -15,7 +15,7 @@ struct VbgiPass {
   gpu::Pipeline trace;
 };
 VbgiPass create_vbgi(gpu::Pipelines& pipelines);
-GiResult add_vbgi(graph::Graph& graph, const VbgiPass& pass, const GBuffer& gbuffer, const Radiance& direct, const GiParams& shared,
-                  const VbgiParams& params);
+GiResult add_vbgi(graph::Graph& graph, const VbgiPass& pass, const GBuffer& gbuffer, const Radiance& direct,
+                  const GiParams& shared, const VbgiParams& params);
 
 }  // namespace nf::passes

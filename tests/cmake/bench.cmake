@@ -1,0 +1,4 @@
+# Benchmarks: programs that print figures; ctest does not run them.
+add_executable(yardstick bench/yardstick.cpp)
+target_link_libraries(yardstick PRIVATE nf_passes nf_options)
+target_compile_definitions(yardstick PRIVATE NF_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
