@@ -73,7 +73,7 @@ Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
       if (is_float && graph.resources[r].lifetime != graph::Lifetime::HistoryPrev)
         graph.readback(graph.resources[r].name, graph::Tex{r});
     }
-    renderer.executor().run(graph, {.drop_barrier = request.drop_barrier});
+    renderer.executor().run(graph, {.poison = request.poison, .drop_barrier = request.drop_barrier});
     shot.times = renderer.executor().finish();
     const std::vector<graph::Readback> readbacks = renderer.executor().take_readbacks();
     for (size_t i = 0; i < readbacks.size(); ++i) {

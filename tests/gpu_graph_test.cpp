@@ -23,6 +23,11 @@ layout(local_size_x = 8, local_size_y = 8) in;
 uniform writeonly image2D target;
 void main() { imageStore(target, ivec2(gl_GlobalInvocationID.xy), vec4(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y, 7.0, 1.0)); }
 )");
+    write(folder / "corner.comp", R"(#version 460
+layout(local_size_x = 8, local_size_y = 8) in;
+uniform writeonly image2D target;
+void main() { if (gl_GlobalInvocationID.x < 4) imageStore(target, ivec2(gl_GlobalInvocationID.xy), vec4(7.0)); }
+)");
     write(folder / "add.comp", R"(#version 460
 #include "params/add"
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -159,6 +164,19 @@ TEST_F(GraphOnDevice, AWrongGraphIsRefusedWithAllItsFaults) {
     for (const char* part : {"sauce", "source", "'add'", "gpu_graph_test.cpp:"})
       EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << part << " in " << e.what();
   }
+}
+
+// The control of poisoning: a pass that leaves texels unwritten shows it.
+TEST_F(GraphOnDevice, PoisonShowsWhatWasNotWritten) {
+  graph::Graph graph;
+  const graph::Tex a = graph.image("a", desc);
+  graph.compute("corner", pipelines_->compute("corner.comp")).out("target", a).over(a);
+  graph.readback("a", a);
+  executor_->run(graph, {.poison = true});
+  uint32_t channels = 0;
+  const std::vector<float> out = graph::to_floats(executor_->take_readbacks().at(0), channels);
+  EXPECT_EQ(out[0], 7);
+  EXPECT_TRUE(std::isnan(out[4 * 19])) << out[4 * 19];
 }
 
 // techniques.md 3.8: every pair, on the device, against a plain loop.

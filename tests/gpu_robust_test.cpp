@@ -86,6 +86,12 @@ TEST_F(Robust, AliasingChangesNothing) {
   EXPECT_EQ(apart.plan.placed_bytes, apart.plan.unaliased_bytes);
   EXPECT_EQ(shared.picture, apart.picture);
   for (const auto& [name, image] : shared.layers) EXPECT_EQ(image.pixels, apart.layer(name).pixels) << name;
+  // Nor does what lay in the memory before.
+  request.alias = request.poison = true;
+  const Shot poisoned = shoot(scene, request);
+  EXPECT_EQ(shared.picture, poisoned.picture);
+  for (const auto& [name, image] : shared.layers)
+    EXPECT_EQ(image.pixels, poisoned.layer(name).pixels) << name << ", poisoned";
   std::printf("placed %.2f, max live %.2f, unaliased %.2f MiB\n", double(shared.plan.placed_bytes) / 1048576,
               double(shared.plan.max_live_bytes) / 1048576, double(shared.plan.unaliased_bytes) / 1048576);
 }

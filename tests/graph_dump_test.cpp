@@ -205,5 +205,46 @@ TEST_F(GraphDumpTest, TextNamesEverything) {
   EXPECT_NE(text.find(fmt::format("{} barriers", plan.barriers.size())), std::string::npos) << text;
 }
 
+// a -> b, and a -> c beside it when `both`.
+struct Small {
+  Shaders shaders;
+  gpu::Pipeline source = shaders.make({storage_out("value")});
+  gpu::Pipeline step = shaders.make({storage_in("from"), storage_out("value")});
+  Graph graph;
+  Plan plan;
+  explicit Small(bool both) {
+    const ImageDesc desc{{64, 32}, VK_FORMAT_R32_SFLOAT};
+    const Tex a = graph.image("a", desc), b = graph.image("b", desc), c = graph.image("c", desc);
+    graph.compute("make a", source).out("value", a).over(a);
+    graph.compute("make b", step).in("from", a).out("value", b).over(b);
+    graph.compute("make c", step).in("from", a).out("value", c).over(c);
+    graph.readback("out b", b);
+    if (both) graph.readback("out c", c);
+    plan = compile(graph);
+  }
+};
+
+TEST(Dump, DotNamesEverythingAndGreysWhatIsCulled) {
+  const Small small(false);
+  const std::string dot = to_dot(small.graph, small.plan);
+  EXPECT_EQ(dot.find("digraph"), 0u);
+  for (const char* part : {"label=\"make a\"", "p0 -> r0", "r0 -> p1", "p1 -> r1", "r1 -> p3"})
+    EXPECT_NE(dot.find(part), std::string::npos) << part;
+  EXPECT_NE(dot.find("label=\"make c\", shape=box, color=grey"), std::string::npos);
+  EXPECT_EQ(std::count(dot.begin(), dot.end(), '{'), std::count(dot.begin(), dot.end(), '}'));
+}
+
+TEST(Dump, DiffSaysWhatComesAndGoes) {
+  const Small one(false), two(true);
+  const std::string there = diff_text(one.graph, one.plan, two.graph, two.plan);
+  EXPECT_NE(there.find("+ pass make c"), std::string::npos) << there;
+  EXPECT_NE(there.find("+ pass out c"), std::string::npos);
+  EXPECT_EQ(there.find("- pass"), std::string::npos);
+  const std::string back = diff_text(two.graph, two.plan, one.graph, one.plan);
+  EXPECT_NE(back.find("- pass make c"), std::string::npos) << back;
+  const std::string same = diff_text(one.graph, one.plan, one.graph, one.plan);
+  EXPECT_EQ(same.find("pass "), std::string::npos) << same;
+}
+
 }  // namespace
 }  // namespace nf::graph

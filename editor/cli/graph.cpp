@@ -10,39 +10,61 @@
 
 namespace nf::editor {
 
+namespace {
+
+struct Planned {
+  graph::Graph graph;
+  graph::Plan plan;
+};
+
+Planned plan_frame(passes::Renderer& renderer, const passes::FrameView& view, const passes::FrameSettings& settings) {
+  Planned result{graph::Graph(renderer.executor().histories()), {}};
+  const passes::FrameOutputs outputs = renderer.build(result.graph, view, settings);
+  result.graph.readback("picture", renderer.add_picture(result.graph, outputs, settings));
+  graph::require_valid(result.graph);
+  result.plan = renderer.executor().plan_for(result.graph);
+  return result;
+}
+
+}  // namespace
+
 Command add_graph(CLI::App& parent) {
   struct State : CommonOptions {
-    std::string scene, format = "text";
+    std::string scene, format = "text", diff;
   };
   auto state = std::make_shared<State>();
   CLI::App* app = parent.add_subcommand("graph", "Print the frame graph of a scene: passes, uses, barriers, memory");
   app->add_option("SCENE", state->scene, "glTF scene (.gltf, .glb)")->required();
-  app->add_option("--format", state->format, "Output")->check(CLI::IsMember({"text", "json"}))->capture_default_str();
+  app->add_option("--format", state->format, "Output")
+      ->check(CLI::IsMember({"text", "dot", "json"}))
+      ->capture_default_str();
+  app->add_option("--diff", state->diff, "Print what changes in passes, barriers and bytes with this technique instead")
+      ->type_name("ID");
   add_render_flags(*app, *state);
-  app->footer("Examples:\n  nearfield graph scene.glb\n  nearfield graph scene.glb --format json --technique none");
+  app->footer(
+      "Examples:\n  nearfield graph scene.glb\n  nearfield graph scene.glb --technique none --diff vbgi\n"
+      "  nearfield graph scene.glb --format dot | dot -Tsvg > frame.svg");
   return {app, [state] {
             start_log(*state);
-            const passes::FrameSettings settings = make_settings(*state);
-            const glm::uvec2 size = parse_size(state->size);
-            scene::Scene scene = scene::load_gltf(state->scene);
+            passes::FrameSettings settings = make_settings(*state);
+            const passes::Technique* other = state->diff.empty() ? nullptr : &passes::find_technique(state->diff);
             passes::FrameView view;
+            view.size = parse_size(state->size);
+            scene::Scene scene = scene::load_gltf(state->scene);
             view.camera = view.previous_camera = scene::select_view(state->view, scene);
-            view.size = size;
             gpu::Device device(device_options(*state));
             passes::Renderer renderer(device, scene, !state->no_alias);
-            graph::Graph graph(renderer.executor().histories());
-            const passes::FrameOutputs outputs = renderer.build(graph, view, settings);
-            graph.readback("picture", renderer.add_picture(graph, outputs, settings));
-            if (const auto wrong = graph::validate(graph); !wrong.empty()) {
-              std::string text = "the frame graph is wrong:";
-              for (const auto& d : wrong) text += "\n  " + d.text;
-              throw Error(Exit::Internal, text);
+            const Planned frame = plan_frame(renderer, view, settings);
+            if (other) {
+              settings.technique = other;
+              const Planned changed = plan_frame(renderer, view, settings);
+              fmt::print("{}", graph::diff_text(frame.graph, frame.plan, changed.graph, changed.plan));
+            } else if (state->format == "json") {
+              fmt::print("{}\n", graph::to_json(frame.graph, frame.plan).dump(1));
+            } else {
+              fmt::print("{}", state->format == "dot" ? graph::to_dot(frame.graph, frame.plan)
+                                                      : graph::to_text(frame.graph, frame.plan));
             }
-            const graph::Plan plan = renderer.executor().plan_for(graph);
-            if (state->format == "json")
-              fmt::print("{}\n", graph::to_json(graph, plan).dump(1));
-            else
-              fmt::print("{}", graph::to_text(graph, plan));
             return int(Exit::Ok);
           }};
 }

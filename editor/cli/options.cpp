@@ -109,6 +109,7 @@ void add_render_flags(CLI::App& app, CommonOptions& o) {
   app.add_flag("--validation", o.validation, "Vulkan validation, synchronization included; slow")
       ->envname("NEARFIELD_VALIDATION");
   app.add_flag("--no-alias", o.no_alias, "Give every transient image memory of its own");
+  app.add_flag("--poison", o.poison, "Fill transient memory with 0xFF before each frame; pictures must not change");
   add_log_flags(app, o);
   app.parse_complete_callback([&app, &o] {
     o.size_given = app.count("--size") > 0;

@@ -20,7 +20,7 @@ struct CommonOptions {
   std::vector<std::string> sets;
   uint32_t seed = 1;
   double timeout = 0;  // seconds; 0 = none
-  bool validation = false, quiet = false, verbose = false, no_alias = false;
+  bool validation = false, quiet = false, verbose = false, no_alias = false, poison = false;
   // Which of the flags that a preset can also set were given: they win.
   bool size_given = false, seed_given = false, technique_given = false, view_given = false;
 };

@@ -202,7 +202,7 @@ class RenderJob {
       graph.readback("readback.layer", renderer.add_layer(graph, outputs, *aov, mean));
     if (pictures || layers.empty())
       graph.readback("readback.picture", renderer.add_picture(graph, outputs, settings, mean));
-    renderer.executor().run(graph, {.timing = parse_timing(o_.timing)});
+    renderer.executor().run(graph, {.timing = parse_timing(o_.timing), .poison = o_.poison});
     view_.previous_camera = view_.camera;
     const graph::FrameResult result = renderer.executor().finish();
     if (counted) {

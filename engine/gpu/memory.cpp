@@ -167,6 +167,20 @@ Heap create_heap(Device& device, VkDeviceSize size, uint32_t type_bits, const st
   return {allocate(device, needs, Where::Device, name), size, type_bits};
 }
 
+Buffer cover(Device& device, const Heap& heap) {
+  Buffer buffer{.size = heap.size};
+  VkBufferCreateInfo create{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                            .size = heap.size / 4 * 4,
+                            .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  NF_VK(vkCreateBuffer(device.handle, &create, nullptr, &buffer.handle));
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(device.handle, buffer.handle, &needs);
+  if (!(needs.memoryTypeBits & heap.type_bits) || needs.size > heap.size)
+    fail(Exit::Gpu, "cannot poison: {} keeps buffers and images in different memory", device.info.name);
+  NF_VK(vkBindBufferMemory(device.handle, buffer.handle, heap.memory, 0));
+  return buffer;
+}
+
 void destroy(Device& device, Heap& heap) {
   vkFreeMemory(device.handle, heap.memory, nullptr);
   heap = {};

@@ -53,6 +53,8 @@ struct Heap {
 };
 Heap create_heap(Device& device, VkDeviceSize size, uint32_t type_bits, const std::string& name);
 void destroy(Device& device, Heap& heap);
+// A buffer over the whole heap, to fill it. Does not own the memory.
+Buffer cover(Device& device, const Heap& heap);
 Image place_image(Device& device, const ImageInfo& info, const std::string& name, const Heap& heap,
                   VkDeviceSize offset);
 

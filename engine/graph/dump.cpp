@@ -1,6 +1,7 @@
 // Printing of graphs and plans.
 #include "graph/dump.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace nf::graph {
@@ -156,6 +157,55 @@ std::string to_text(const Graph& graph, const Plan& plan) {
   text += fmt::format("\nmemory: placed {:.2f} MiB, max live {:.2f} MiB, unaliased {:.2f} MiB; {} barriers\n",
                       double(plan.placed_bytes) / 1048576.0, double(plan.max_live_bytes) / 1048576.0,
                       double(plan.unaliased_bytes) / 1048576.0, plan.barriers.size());
+  return text;
+}
+
+std::string to_dot(const Graph& graph, const Plan& plan) {
+  std::string text = "digraph frame {\n  rankdir=LR;\n  node [fontname=\"sans-serif\"];\n";
+  for (uint16_t r = 0; r < graph.resources.size(); ++r)
+    text +=
+        fmt::format("  r{} [label=\"{}\\n{} {}x{}\", shape=ellipse{}];\n", r, resource_name(graph, r),
+                    gpu::format_name(graph.resources[r].desc.format), graph.resources[r].desc.size.width,
+                    graph.resources[r].desc.size.height, plan.resources[r].live ? "" : ", color=grey, fontcolor=grey");
+  for (size_t i = 0; i < graph.passes.size(); ++i) {
+    const PassRow& pass = graph.passes[i];
+    text += fmt::format("  p{} [label=\"{}\", shape=box{}];\n", i, pass.name,
+                        plan.culled[i] ? ", color=grey, fontcolor=grey" : ", style=filled, fillcolor=lightblue");
+    for (const UseRow& use : uses_of(graph, pass)) {
+      if (use.is_buffer) continue;
+      text += writes(use.use) ? fmt::format("  p{} -> r{};\n", i, use.resource)
+                              : fmt::format("  r{} -> p{};\n", use.resource, i);
+    }
+  }
+  return text + "}\n";
+}
+
+std::string diff_text(const Graph& a, const Plan& plan_a, const Graph& b, const Plan& plan_b) {
+  std::string text;
+  const auto has = [](const Graph& graph, const Plan& plan, std::string_view name) {
+    return std::any_of(plan.passes.begin(), plan.passes.end(),
+                       [&](const PlannedPass& p) { return graph.passes[p.pass].name == name; });
+  };
+  const auto list = [&](const char* sign, const Graph& graph, const Plan& plan, const Graph& other,
+                        const Plan& other_plan) {
+    for (const PlannedPass& p : plan.passes)
+      if (const char* name = graph.passes[p.pass].name; !has(other, other_plan, name))
+        text += fmt::format("{} pass {} ({} barriers)\n", sign, name, p.barrier_count);
+  };
+  list("-", a, plan_a, b, plan_b);
+  list("+", b, plan_b, a, plan_a);
+  for (const PlannedPass& p : plan_a.passes)
+    for (const PlannedPass& q : plan_b.passes)
+      if (std::string_view(a.passes[p.pass].name) == b.passes[q.pass].name && p.barrier_count != q.barrier_count)
+        text += fmt::format("  pass {}: {} -> {} barriers\n", a.passes[p.pass].name, p.barrier_count, q.barrier_count);
+  const auto row = [&](const char* what, uint64_t before, uint64_t after, double unit) {
+    text += fmt::format("  {:12} {:.2f} -> {:.2f}\n", what, double(before) / unit, double(after) / unit);
+  };
+  row("passes", plan_a.passes.size(), plan_b.passes.size(), 1);
+  row("barriers", plan_a.barriers.size(), plan_b.barriers.size(), 1);
+  row("placed MiB", plan_a.placed_bytes, plan_b.placed_bytes, 1048576);
+  row("max live MiB", plan_a.max_live_bytes, plan_b.max_live_bytes, 1048576);
+  row("unaliased MiB", plan_a.unaliased_bytes, plan_b.unaliased_bytes, 1048576);
   return text;
 }
 

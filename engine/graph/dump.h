@@ -1,4 +1,4 @@
-// A graph and its plan as text for people and as JSON (`nearfield.graph/1`) for programs.
+// A graph and its plan as text for people, as JSON (`nearfield.graph/1`) and as Graphviz; the difference of two plans.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,5 +10,9 @@ namespace nf::graph {
 
 nlohmann::json to_json(const Graph& graph, const Plan& plan);
 std::string to_text(const Graph& graph, const Plan& plan);
+// Graphviz: boxes are passes, ellipses resources; culled passes are grey.
+std::string to_dot(const Graph& graph, const Plan& plan);
+// What changes from one plan to another: passes that come and go, barriers, bytes.
+std::string diff_text(const Graph& a, const Plan& plan_a, const Graph& b, const Plan& plan_b);
 
 }  // namespace nf::graph

@@ -27,6 +27,24 @@ void emit(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> image
 
 }  // namespace
 
+void Executor::poison(VkCommandBuffer commands) {
+  if (poison_.empty())
+    for (const gpu::Heap& heap : heaps_) poison_.push_back(gpu::cover(device_, heap));
+  VkMemoryBarrier2 before{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                          .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                          .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                          .dstStageMask = VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                          .dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT};
+  emit(commands, {}, &before);
+  for (const gpu::Buffer& buffer : poison_) vkCmdFillBuffer(commands, buffer.handle, 0, VK_WHOLE_SIZE, 0xffffffffu);
+  VkMemoryBarrier2 after{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                         .srcStageMask = VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                         .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                         .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                         .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+  emit(commands, {}, &after);
+}
+
 // Before a plan's first frame: everything earlier is finished, and histories are where the plan expects them. A history
 // that was never written is cleared, so that reading it is defined.
 void Executor::settle(const Graph& graph, VkCommandBuffer commands) {

@@ -21,6 +21,8 @@ Executor::~Executor() {
 
 void Executor::release() {
   for (gpu::Image& image : images_) destroy(device_, image);
+  for (gpu::Buffer& buffer : poison_) destroy(device_, buffer);
+  poison_.clear();
   for (gpu::Heap& heap : heaps_) destroy(device_, heap);
   heaps_.clear();
   for (gpu::Buffer& buffer : readback_buffers_) destroy(device_, buffer);
@@ -52,13 +54,7 @@ Plan Executor::plan_for(const Graph& graph) const {
 }
 
 void Executor::replan(const Graph& graph, uint64_t hash) {
-  const std::vector<Diagnostic> wrong = validate(graph);
-  if (!wrong.empty()) {
-    std::string text =
-        fmt::format("the frame graph is wrong in {} place{}:", wrong.size(), wrong.size() == 1 ? "" : "s");
-    for (const Diagnostic& d : wrong) text += "\n  " + d.text;
-    throw Error(Exit::Internal, text);
-  }
+  require_valid(graph);
   Plan plan = plan_for(graph);
   device_.wait_idle();
   release();
@@ -145,6 +141,7 @@ void Executor::run(const Graph& graph, const ExecuteOptions& options) {
     for (const ParamRow& row : *rows)
       uniforms.push_back(ring_.push_uniform(frame, std::span(graph.param_bytes).subspan(row.offset, row.table->size)));
 
+  if (options.poison) poison(frame.commands);
   if (fresh_) settle(graph, frame.commands);
   last_passes_.clear();
   for (const PlannedPass& planned : plan_.passes) {

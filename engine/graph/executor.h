@@ -13,6 +13,9 @@ namespace nf::graph {
 
 struct ExecuteOptions {
   gpu::Timing timing = gpu::Timing::Serialize;
+  // Fills the transients' memory with 0xFF (NaN, 1.0) before the frame: a pass that does not write all of what it first
+  // writes then shows.
+  bool poison = false;
   // Test hook: this barrier of the plan (by row) is left out, so that a test can see that validation notices.
   int drop_barrier = -1;
 };
@@ -74,6 +77,7 @@ class Executor {
   void replan(const Graph& graph, uint64_t hash);
   void release();
   void settle(const Graph& graph, VkCommandBuffer commands);
+  void poison(VkCommandBuffer commands);
   const gpu::Image& image(uint16_t resource) const;
   void record_pass(const Graph& graph, const PlannedPass& planned, gpu::Frame& frame, const ExecuteOptions& options,
                    std::span<const gpu::UniformRange> uniforms);
@@ -92,6 +96,7 @@ class Executor {
   bool fresh_ = false;  // the plan has not run yet
   bool alias_;
   std::vector<gpu::Heap> heaps_;          // by row of Plan::heaps
+  std::vector<gpu::Buffer> poison_;       // over the heaps, made when first needed
   std::vector<gpu::Image> images_;        // by resource; empty for histories
   std::vector<int> history_of_;           // by resource: row of histories_, or -1
   std::vector<uint8_t> history_is_next_;  // by resource

@@ -26,6 +26,8 @@ struct Diagnostic {
   std::string text;
 };
 std::vector<Diagnostic> validate(const Graph& graph);
+// Throws nf::Error (Exit::Internal) with all of them when there are any.
+void require_valid(const Graph& graph);
 
 struct Barrier {
   uint16_t resource = no_resource;

@@ -237,4 +237,12 @@ std::vector<Diagnostic> validate(const Graph& graph) {
   return Validator(graph).run();
 }
 
+void require_valid(const Graph& graph) {
+  const std::vector<Diagnostic> wrong = validate(graph);
+  if (wrong.empty()) return;
+  std::string text = fmt::format("the frame graph is wrong in {} place{}:", wrong.size(), wrong.size() == 1 ? "" : "s");
+  for (const Diagnostic& d : wrong) text += "\n  " + d.text;
+  throw Error(Exit::Internal, text);
+}
+
 }  // namespace nf::graph
