@@ -47,7 +47,7 @@ class SceneTables {
   void build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const;
   void destroy_list(DrawList& list) const;
 
-  // Records the batches of one class. `positions_only` binds the first stream alone (depth of opaque surfaces).
+  // Records the batches of one class. Without materials only positions are bound (depth of opaque surfaces).
   void draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder) const;
 
   VkDescriptorSetLayout material_set_layout() const { return set_layout_; }
