@@ -10,13 +10,13 @@ namespace nf::passes {
 // Spaces: world is glTF's; view looks down -Z; clip is Vulkan's with reverse-Z. A pixel p (integer + 0.5, y down) at
 // linear depth z (metres along the axis) is at z * (p * ray_scale + ray_offset, -1) in view space. clip_from_view has
 // the jitter in it, the two clip_from_world have not.
-#define NF_FRAME_FIELDS(F)                                                                                         \
-  F(Mat4, view_from_world)                                                                                         \
-  F(Mat4, world_from_view)                                                                                         \
-  F(Mat4, jittered_clip_from_world) F(Mat4, clip_from_world) F(Mat4, previous_clip_from_world)                     \
-      F(Mat4, shadow_from_world) F(Vec2, ray_scale) F(Vec2, ray_offset) F(Vec2, pixels_per_tangent) F(IVec2, size) \
-          F(Uint, frame_index) F(Uint, seed) F(Float, near) F(Uint, light_count) F(Float, shadow_texel)            \
-              F(Uint, lambert) F(Vec3, camera_position) F(Vec3, environment)
+// clang-format off
+#define NF_FRAME_FIELDS(F)                                                                                     \
+  F(Mat4, view_from_world) F(Mat4, world_from_view) F(Mat4, jittered_clip_from_world) F(Mat4, clip_from_world) \
+  F(Mat4, previous_clip_from_world) F(Mat4, shadow_from_world) F(Vec2, ray_scale) F(Vec2, ray_offset)          \
+  F(Vec2, pixels_per_tangent) F(IVec2, size) F(Uint, frame_index) F(Uint, seed) F(Float, near)                 \
+  F(Uint, light_count) F(Float, shadow_texel) F(Uint, lambert) F(Vec3, camera_position) F(Vec3, environment)
+// clang-format on
 NF_DECLARE_BLOCK(FrameBlock, "frame", NF_FRAME_FIELDS)
 
 #define NF_MATERIAL_PARAMS(P)   \
