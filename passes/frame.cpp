@@ -26,7 +26,7 @@ gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::f
   return compiler;
 }
 
-Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, bool alias) : device_(device), scene_(scene) {
+Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, bool alias) : scene_(scene) {
   const std::filesystem::path cache = gpu::cache_folder();
   pipelines_ =
       std::make_unique<gpu::Pipelines>(device, make_shader_compiler(device, gpu::find_shader_folder(), cache), cache);

@@ -46,7 +46,6 @@ class Renderer {
   size_t batches() const { return camera_draws_.batches.size(); }
 
  private:
-  gpu::Device& device_;
   const scene::Scene& scene_;
   std::unique_ptr<gpu::Pipelines> pipelines_;
   std::unique_ptr<SceneTables> tables_;

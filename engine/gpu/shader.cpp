@@ -40,7 +40,10 @@ std::string read_file(const fs::path& path, const std::string& name) {
 // FNV-1a, 64 bit, twice with different offsets: names cache files.
 std::string hash_name(const std::string& text) {
   uint64_t a = 14695981039346656037ull, b = 7809847782465536322ull;
-  for (const unsigned char c : text) a = (a ^ c) * 1099511628211ull, b = (b ^ (c + 1u)) * 1099511628211ull;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    a = (a ^ byte) * 1099511628211ull, b = (b ^ (byte + 1u)) * 1099511628211ull;
+  }
   return fmt::format("{:016x}{:016x}", a, b);
 }
 
