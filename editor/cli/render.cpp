@@ -137,6 +137,7 @@ class RenderJob {
     view_.seed = o_.seed;
     std::vector<const passes::Aov*> layers = parse_layers(o_, outputs);
     const bool pictures = std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return !out.exr; });
+    const bool each = std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return out.every_frame; });
 
     scene::Scene scene = scene::load_gltf(o_.scene);
     view_.camera = view_.previous_camera = scene::select_view(o_.view, scene);
@@ -151,8 +152,6 @@ class RenderJob {
       Progress progress("render", total, o_);
       for (uint32_t n = 0; n < total; ++n) {
         const bool last = n + 1 == total || interrupted();
-        const bool each =
-            std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return out.every_frame; });
         run_frame(renderer, settings, layers, pictures, n, last || (each && n >= o_.warmup));
         if (n >= o_.warmup && each) write(outputs, layers, device, n - o_.warmup, true, true);
         progress.update(n + 1, fmt::format("{:.1f} ms", frame_ms_.empty() ? 0.0 : frame_ms_.back()));
@@ -170,8 +169,8 @@ class RenderJob {
     if (!complete && readbacks_.empty()) return int(Exit::Interrupted);
     write(outputs, layers, device, o_.frames - 1, false, complete);
     report(device, renderer, settings, complete);
-    for (const std::string& message : device.take_messages()) validation_.push_back(message);
-    if (!validation_.empty()) fail(Exit::CheckFailed, "{} validation messages (above)", validation_.size());
+    if (const size_t messages = device.take_messages().size())
+      fail(Exit::CheckFailed, "{} validation messages (above)", messages);
     return complete ? int(Exit::Ok) : int(Exit::Interrupted);
   }
 
@@ -313,7 +312,7 @@ class RenderJob {
   Clock::time_point start_;
   passes::FrameView view_;
   std::map<std::string, std::vector<double>> pass_ms_;
-  std::vector<std::string> pass_order_, written_, validation_;
+  std::vector<std::string> pass_order_, written_;
   std::vector<double> frame_ms_;
   std::vector<graph::Readback> readbacks_;
 };

@@ -62,8 +62,6 @@ class Pipelines {
 
   // Fixed samplers, fed to shader slots of these names: linear_clamp, linear_repeat, nearest_clamp, shadow_compare.
   VkSampler sampler(std::string_view name) const;
-  const std::string& file(PipelineId id) const { return rows_[id.id].files.back(); }
-  Device& device() { return device_; }
 
  private:
   struct Variant {

@@ -48,10 +48,6 @@ Access access_of(Use use, PassKind kind) {
               VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_USAGE_TRANSFER_SRC_BIT, "copy_source"};
     case Use::StorageBufferRead:
       return {shader, storage_read, 0, VK_IMAGE_LAYOUT_UNDEFINED, 0, "storage_buffer"};
-    case Use::UniformBuffer:
-      return {shader, VK_ACCESS_2_UNIFORM_READ_BIT, 0, VK_IMAGE_LAYOUT_UNDEFINED, 0, "uniform_buffer"};
-    case Use::HostRead:
-      return {VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT, 0, VK_IMAGE_LAYOUT_UNDEFINED, 0, "host_read"};
   }
   return {};
 }

@@ -16,8 +16,6 @@ enum class Use : uint8_t {
   DepthAttachment,
   CopySource,  // read-back
   StorageBufferRead,
-  UniformBuffer,
-  HostRead,  // the end of a read-back
 };
 
 enum class PassKind : uint8_t { Compute, Fullscreen, Raster, Readback };

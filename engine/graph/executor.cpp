@@ -188,13 +188,6 @@ std::vector<Readback> Executor::take_readbacks() {
   return result;
 }
 
-uint64_t Executor::allocated_bytes() const {
-  uint64_t bytes = 0;
-  bytes += plan_.placed_bytes;
-  for (const PhysicalHistory& history : histories_) bytes += history.images[0].bytes + history.images[1].bytes;
-  return bytes;
-}
-
 std::vector<float> to_floats(const Readback& readback, uint32_t& channels) {
   const size_t texels = size_t(readback.desc.size.width) * readback.desc.size.height;
   const auto floats = [&](uint32_t count) {

@@ -63,7 +63,6 @@ class Executor {
 
   const Plan& plan() const { return plan_; }
   uint64_t replans() const { return replans_; }
-  uint64_t allocated_bytes() const;
 
  private:
   struct PhysicalHistory {
