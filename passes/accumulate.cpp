@@ -10,7 +10,7 @@ AccumulatePass create_accumulate(gpu::Pipelines& pipelines) {
 graph::Tex add_accumulate(graph::Graph& graph, const AccumulatePass& pass, const char* name, graph::Tex value,
                           VkFormat format, uint32_t frame) {
   const graph::History history = graph.history(name, {graph.desc(value).size, format});
-  const AccumulateBlock block{.weight = history.valid ? 1.0f / float(frame + 1) : 1.0f};
+  const AccumulateBlock block{.weight = 1.0f / float(frame + 1)};
   graph.fullscreen(name, pass.pipeline, "Mean over the frames so far")
       .in("value", value)
       .in("previous_mean", history.prev)

@@ -5,7 +5,7 @@
 
 namespace nf::passes {
 
-#define NF_ACCUMULATE_FIELDS(F) F(Float, weight)
+#define NF_ACCUMULATE_FIELDS(F) F(Float, weight) F(Uint, previous_mean_valid)
 NF_DECLARE_BLOCK(AccumulateBlock, "accumulate", NF_ACCUMULATE_FIELDS)
 
 struct AccumulatePass {

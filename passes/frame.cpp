@@ -26,7 +26,8 @@ gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::f
   return compiler;
 }
 
-Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, bool alias) : scene_(scene) {
+Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::ExecutorOptions& options)
+    : scene_(scene) {
   const std::filesystem::path cache = gpu::cache_folder();
   pipelines_ =
       std::make_unique<gpu::Pipelines>(device, make_shader_compiler(device, gpu::find_shader_folder(), cache), cache);
@@ -38,7 +39,7 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, bool alias) :
   aovs_ = create_aovs(*pipelines_);
   accumulate_ = create_accumulate(*pipelines_);
   for (const Aov& aov : aovs()) mean_names_.push_back(fmt::format("{}.mean", *aov.name ? aov.name : "final"));
-  executor_ = std::make_unique<graph::Executor>(device, *pipelines_, alias);
+  executor_ = std::make_unique<graph::Executor>(device, *pipelines_, options);
 }
 
 Renderer::~Renderer() {
@@ -48,6 +49,8 @@ Renderer::~Renderer() {
 }
 
 FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const FrameSettings& settings) {
+  if (settings.technique != last_technique_) graph.forget_histories();
+  last_technique_ = settings.technique;
   const FrameBlock frame = make_frame_block(view, scene_, settings.material, settings.shadow);
   graph.share(frame);
   tables_->build_draws(camera_draws_, scene::frustum_from_clip(frame.jittered_clip_from_world), view.camera.position);
@@ -62,6 +65,12 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const F
   out.direct = add_direct(graph, lighting_, out.gbuffer, shadow, settings.shadow, *tables_);
   out.gi = settings.technique->add(graph, gi_, out.gbuffer, out.direct, settings.gi);
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_);
+  // What a frame offers. Whoever runs it reads what he wants to see.
+  for (const graph::Tex offered :
+       {out.gbuffer.depth, out.gbuffer.normal, out.gbuffer.albedo, out.gbuffer.material, out.gbuffer.emissive,
+        out.gbuffer.velocity, out.direct.diffuse, out.direct.specular, out.direct.radiance, out.gi.visibility,
+        out.gi.bent, out.gi.gi, out.gi.ambient, out.lit})
+    graph.optional(offered);
   return out;
 }
 

@@ -27,11 +27,11 @@ struct FrameSettings {
 // Device, pipelines, scene tables and executor of one view.
 class Renderer {
  public:
-  // `alias` false: transients do not share memory.
-  Renderer(gpu::Device& device, const scene::Scene& scene, bool alias = true);
+  Renderer(gpu::Device& device, const scene::Scene& scene, const graph::ExecutorOptions& options = {});
   ~Renderer();
 
-  // Adds all passes up to `lit`. The graph refers to this renderer's tables and must run before the next build().
+  // Adds all passes up to `lit`. The graph refers to this renderer's tables and must run before the next build(). With
+  // another technique than the last time, all histories start anew.
   FrameOutputs build(graph::Graph& graph, const FrameView& view, const FrameSettings& settings);
 
   // Tone-maps `lit`, or its mean over frames when `mean_frame` >= 0 (which is then this frame's number): RGBA8.
@@ -56,6 +56,7 @@ class Renderer {
   GiPipelines gi_;
   AovPass aovs_;
   AccumulatePass accumulate_;
+  const Technique* last_technique_ = nullptr;
   std::vector<std::string> mean_names_;        // by row of aovs()
   std::unique_ptr<graph::Executor> executor_;  // last: goes first
 };

@@ -44,7 +44,7 @@ scene::Scene GpuTest::load(const content::Builder& builder) {
 }
 
 Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
-  passes::Renderer renderer(device(), scene, request.alias);
+  passes::Renderer renderer(device(), scene, request.graph);
   passes::FrameView view;
   view.camera = view.previous_camera = request.camera;
   view.size = request.size;
@@ -71,9 +71,9 @@ Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
                             format == VK_FORMAT_R32G32_SFLOAT || format == VK_FORMAT_R32G32B32A32_SFLOAT ||
                             format == VK_FORMAT_D32_SFLOAT;
       if (is_float && graph.resources[r].lifetime != graph::Lifetime::HistoryPrev)
-        graph.readback(graph.resources[r].name, graph::Tex{r});
+        graph.readback(graph.resources[r].name, graph.tex(r));
     }
-    renderer.executor().run(graph, {.poison = request.poison, .drop_barrier = request.drop_barrier});
+    renderer.executor().run(graph, {.drop_barrier = request.drop_barrier});
     shot.times = renderer.executor().finish();
     const std::vector<graph::Readback> readbacks = renderer.executor().take_readbacks();
     for (size_t i = 0; i < readbacks.size(); ++i) {

@@ -23,7 +23,8 @@ struct Request {
   scene::Camera camera;
   passes::FrameSettings settings;
   uint32_t frames = 1, seed = 1;
-  bool accumulate = false, alias = true, poison = false;
+  bool accumulate = false;
+  graph::ExecutorOptions graph;
   bool scan = true;  // read every float target back: nothing can share memory then
   int drop_barrier = -1;
 };

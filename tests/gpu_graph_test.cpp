@@ -7,7 +7,7 @@
 namespace nf::test {
 namespace {
 
-#define NF_ADD_FIELDS(F) F(Float, amount) F(Uint, valid)
+#define NF_ADD_FIELDS(F) F(Float, amount) F(Uint, source_valid)
 NF_DECLARE_BLOCK(AddBlock, "add", NF_ADD_FIELDS)
 
 // A folder with the test's shaders, and the engine's common ones beside them.
@@ -111,7 +111,7 @@ TEST_F(GraphOnDevice, WhatNobodyReadsIsNotRun) {
   graph.compute("fill", pipelines_->compute("fill.comp")).out("target", a).over(a);
   graph.compute("nobody", pipelines_->compute("add.comp"))
       .in("source", a)
-      .out("target", unused)
+      .out("target", graph.optional(unused))
       .params(AddBlock{})
       .over(unused);
   graph.readback("a", a);
@@ -129,7 +129,7 @@ TEST_F(GraphOnDevice, HistoriesCountFramesAndStartAnewWhenInvalidated) {
     graph.compute("count", pipelines_->compute("add.comp"))
         .in("source", count.prev)
         .out("target", count.next)
-        .params(AddBlock{.amount = 1, .valid = count.valid})
+        .params(AddBlock{.amount = 1})
         .over(count.next);
     graph.readback("count", count.next);
     return std::pair(run(graph)[5], count.valid);
@@ -172,7 +172,8 @@ TEST_F(GraphOnDevice, PoisonShowsWhatWasNotWritten) {
   const graph::Tex a = graph.image("a", desc);
   graph.compute("corner", pipelines_->compute("corner.comp")).out("target", a).over(a);
   graph.readback("a", a);
-  executor_->run(graph, {.poison = true});
+  executor_->options.poison = graph::Poison::Frame;
+  executor_->run(graph);
   uint32_t channels = 0;
   const std::vector<float> out = graph::to_floats(executor_->take_readbacks().at(0), channels);
   EXPECT_EQ(out[0], 7);

@@ -79,7 +79,7 @@ TEST_F(Robust, AliasingChangesNothing) {
   const scene::Scene scene = load(small_room());
   Request request{.size = {97, 61}, .camera = inside, .frames = 3, .scan = false};
   const Shot shared = shoot(scene, request);
-  request.alias = false;
+  request.graph.alias = false;
   const Shot apart = shoot(scene, request);
   EXPECT_LT(double(shared.plan.placed_bytes), 0.95 * double(shared.plan.unaliased_bytes))
       << "nothing was aliased at all";
@@ -87,7 +87,7 @@ TEST_F(Robust, AliasingChangesNothing) {
   EXPECT_EQ(shared.picture, apart.picture);
   for (const auto& [name, image] : shared.layers) EXPECT_EQ(image.pixels, apart.layer(name).pixels) << name;
   // Nor does what lay in the memory before.
-  request.alias = request.poison = true;
+  request.graph = {.poison = graph::Poison::Frame};
   const Shot poisoned = shoot(scene, request);
   EXPECT_EQ(shared.picture, poisoned.picture);
   for (const auto& [name, image] : shared.layers)

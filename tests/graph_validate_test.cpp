@@ -11,6 +11,8 @@ constexpr VkFormat r32 = VK_FORMAT_R32_SFLOAT;
 
 #define NF_TINT_PARAMS(P) P(Float, strength, 1.0f, 0.0f, 4.0f, "", "Strength") P(Int, steps, 1, 0, 4, "", "Steps")
 NF_DECLARE_PARAMS(TintParams, "tint", NF_TINT_PARAMS)
+#define NF_TOLD_FIELDS(F) F(Float, weight) F(Uint, before_valid)
+NF_DECLARE_BLOCK(ToldBlock, "told", NF_TOLD_FIELDS)
 
 std::string line_of(const Location& at) {
   return fmt::format("tests/graph_validate_test.cpp:{}", at.line);
@@ -21,6 +23,10 @@ class ValidateTest : public testing::Test {
   Shaders shaders;
   const gpu::Slot block{
       .name = "tint", .kind = gpu::SlotKind::UniformBlock, .block_size = 8, .members = {{"strength", 0}, {"steps", 4}}};
+  const gpu::Slot told{.name = "told",
+                       .kind = gpu::SlotKind::UniformBlock,
+                       .block_size = 8,
+                       .members = {{"weight", 0}, {"before_valid", 4}}};
   const gpu::Pipeline source = shaders.make({storage_out("value")});
   const gpu::Pipeline filter = shaders.make({sampled("from"), storage_out("value")});
   const gpu::Pipeline tinted = shaders.make({storage_out("value"), block});
@@ -42,7 +48,8 @@ class ValidateTest : public testing::Test {
 
   // Exactly one diagnostic, of this kind, with these words in its text.
   void expect(Kind kind, const std::vector<std::string>& words) const {
-    const auto found = validate(graph);
+    const bool careless = kind == Kind::WrittenNeverRead || kind == Kind::ValidityIgnored;
+    const auto found = careless ? validate(graph) : faults(graph);
     ASSERT_EQ(found.size(), 1u) << (found.size() > 1 ? found[0].text + "\n" + found[1].text : "");
     EXPECT_EQ(found[0].kind, kind) << found[0].text;
     for (const std::string& word : words)
@@ -65,12 +72,14 @@ TEST_F(ValidateTest, CorrectGraphReportsNothing) {
                     storage_inout("sum"),
                     {.name = "lights", .kind = gpu::SlotKind::StorageBuffer, .readonly = true},
                     {.name = "linear_clamp", .kind = gpu::SlotKind::Sampler},
-                    block});
+                    block,
+                    told});
   graph.share(TintParams{});
   graph.compute("everything", everything)
       .in("from", a)
       .in("before", h.prev)
       .in("lights", graph.import("lights", buffer))
+      .params(ToldBlock{})
       .out("value", h.next)
       .inout("sum", sum)
       .over(a);
@@ -79,6 +88,7 @@ TEST_F(ValidateTest, CorrectGraphReportsNothing) {
   graph.compute("tinted", tinted).out("value", b).params(TintParams{}).over(b);
   graph.readback("color", color);
   graph.readback("b", b);
+  graph.readback("sum", sum);
   for (const Diagnostic& d : validate(graph)) ADD_FAILURE() << d.text;
 }
 
@@ -270,7 +280,7 @@ TEST_F(ValidateTest, TwoReadsOfOneKindAreFine) {
       .in("y", a)
       .out("value", b)
       .over(b);
-  EXPECT_TRUE(validate(graph).empty());
+  EXPECT_TRUE(faults(graph).empty());
 }
 
 TEST_F(ValidateTest, StaleHandle) {
@@ -322,7 +332,7 @@ TEST_F(ValidateTest, CollectsEveryFault) {
   const Location at = Location::current();
   graph.compute("four", source).out("value", small).over(a);                   // SizeMismatch
   graph.compute("five", filter).in("from", Tex{500}).out("value", a).over(a);  // StaleHandle
-  const auto found = validate(graph);
+  const auto found = faults(graph);
   std::vector<Kind> kinds;
   for (const Diagnostic& d : found) kinds.push_back(d.kind);
   EXPECT_EQ(kinds, (std::vector<Kind>{Kind::SlotMissing, Kind::SlotNotFed, Kind::Direction, Kind::SizeMismatch,
@@ -338,7 +348,230 @@ TEST_F(ValidateTest, CollectsEveryFault) {
 TEST_F(ValidateTest, CollectsFaultsOfOnePass) {
   const Tex a = image("a"), b = image("b");
   graph.compute("bad", filter).in("from", a).in("no such", a).out("value", b);
-  EXPECT_EQ(validate(graph).size(), 4u);  // the missing slot, no threads, two reads of what nobody wrote
+  EXPECT_EQ(faults(graph).size(), 4u);  // the missing slot, no threads, two reads of what nobody wrote
+}
+
+// --- what nobody reads, and who is not told ---
+
+TEST_F(ValidateTest, WrittenNeverRead) {
+  const Tex a = image("a");
+  graph.compute("write", source).out("value", a, used).over(a);
+  expect(Kind::WrittenNeverRead, words("write", "value", "a"));
+  graph.optional(a);
+  EXPECT_TRUE(validate(graph).empty()) << "a by-product";
+}
+
+TEST_F(ValidateTest, WrittenNeverReadIsSaidOnceAndOfBuffersAndHistoriesToo) {
+  const Buf b = graph.buffer("b", 64, declared);
+  const Tex size = written("size");
+  graph.readback("size", size);
+  const gpu::Slot out{.name = "list", .kind = gpu::SlotKind::StorageBuffer, .writeonly = true};
+  graph.compute("first", shaders.make({out})).out("list", b, used).over(size);
+  graph.compute("second", shaders.make({out})).out("list", b).over(size);
+  expect(Kind::WrittenNeverRead, words("first", "list", "b"));
+  graph = Graph();
+  const History h = graph.history("mean", desc, declared);
+  graph.compute("write", source).out("value", h.next, used).over(h.next);
+  expect(Kind::WrittenNeverRead, words("write", "value", "mean"));
+}
+
+TEST_F(ValidateTest, DepthIsReadByItsTest) {
+  const Tex color = image("color"), depth = graph.image("depth", {{64, 32}, VK_FORMAT_D32_SFLOAT});
+  graph.raster("draw", paint).out("color", color, {0, 0, 0, 0}).depth(depth, 0.0f);
+  graph.readback("color", color);
+  EXPECT_TRUE(validate(graph).empty());
+}
+
+TEST_F(ValidateTest, HistoryReadWithoutItsValid) {
+  const History h = graph.history("mean", desc, declared);
+  const gpu::Pipeline deaf = shaders.make({sampled("before"), storage_out("value")});
+  graph.compute("mix", deaf).in("before", h.prev, used).out("value", h.next).over(h.next);
+  graph.readback("mean", h.next);
+  auto wanted = words("mix", "before", "mean");
+  wanted.push_back("'before_valid'");
+  expect(Kind::ValidityIgnored, wanted);
+}
+
+// The graph writes the parameter, whichever of slot and block is given first.
+TEST_F(ValidateTest, ShadersAreToldWhetherAHistoryIsValid) {
+  const gpu::Pipeline mix = shaders.make({sampled("before"), storage_out("value"), told});
+  const HistoryState states[] = {{"mean", desc, 0}};
+  for (const bool valid : {false, true})
+    for (const bool params_first : {false, true}) {
+      Graph g(valid ? std::span<const HistoryState>(states) : std::span<const HistoryState>());
+      const History h = g.history("mean", desc);
+      EXPECT_EQ(h.valid, valid);
+      PassBuilder pass = g.compute("mix", mix);
+      if (params_first) pass.params(ToldBlock{.weight = 2, .before_valid = 7});
+      pass.in("before", h.prev).out("value", h.next).over(h.next);
+      if (!params_first) pass.params(ToldBlock{.weight = 2, .before_valid = 7});
+      g.readback("mean", h.next);
+      EXPECT_TRUE(validate(g).empty());
+      ToldBlock got;
+      std::memcpy(&got, g.param_bytes.data() + g.params[0].offset, sizeof got);
+      EXPECT_EQ(got.before_valid, uint32_t(valid));
+      EXPECT_EQ(got.weight, 2);
+    }
+}
+
+TEST_F(ValidateTest, ForgottenHistoriesAreNotValid) {
+  const HistoryState states[] = {{"mean", desc, 0}, {"list", {}, 64}};
+  Graph g(states);
+  EXPECT_TRUE(g.history("mean", desc).valid);
+  EXPECT_TRUE(g.buffer_history("list", 64).valid);
+  EXPECT_FALSE(g.buffer_history("list", 128).valid);
+  g.forget_histories();
+  EXPECT_FALSE(g.history("mean", desc).valid);
+}
+
+TEST_F(ValidateTest, TwoHistoriesOfOneName) {
+  graph.history("mean", desc, declared);
+  graph.history("mean", {{8, 8}, r32}, used);
+  expect(Kind::UsedTwice, {"'mean'", line_of(used), line_of(declared)});
+}
+
+TEST_F(ValidateTest, HandleOfAnotherGraph) {
+  Graph yesterday;
+  const Tex old = yesterday.image("old", desc);
+  const Tex a = written("a"), b = image("b");  // `old` has the number of a row that this graph has, too
+  graph.compute("filter", filter).in("from", old, used).out("value", b).over(b);
+  expect(Kind::StaleHandle, {"filter", "'from'", line_of(used)});
+  EXPECT_EQ(graph.desc(old).format, VK_FORMAT_UNDEFINED) << "no crash";
+  EXPECT_EQ(graph.desc(a).format, r32);
+  const Graph copy = graph;  // a copied graph keeps its handles
+  EXPECT_EQ(copy.desc(a).format, r32);
+}
+
+// --- parts ---
+
+TEST_F(ValidateTest, PartThatIsNotThere) {
+  const Tex a = graph.image("a", {{64, 32}, r32, 3, 2}, declared);
+  graph.compute("write", source).out("value", layer(mip(a, 3), 0), used).over(a);
+  auto wanted = words("write", "value", "a");
+  wanted.push_back("3 mips and 2 layers");
+  expect(Kind::SizeMismatch, wanted);
+  graph = Graph();
+  const Tex b = graph.image("b", {{64, 32}, r32, 3, 2}, declared);
+  graph.compute("write", source).out("value", layer(mip(b, 0), 2), used).over(b);
+  expect(Kind::SizeMismatch, words("write", "value", "b"));
+}
+
+TEST_F(ValidateTest, PartsThatAShaderSlotCannotTake) {
+  const Tex a = graph.image("a", {{64, 32}, r32, 3, 2}, declared);
+  graph.compute("write", source).out("value", layer(a, 0), used).over(a);
+  expect(Kind::SizeMismatch, words("write", "value", "a"));  // a storage image is one mip
+  graph = Graph();
+  const Tex b = graph.image("b", {{64, 32}, r32, 1, 2}, declared);
+  graph.compute("write", source).out("value", b, used).over(b);
+  expect(Kind::SizeMismatch, words("write", "value", "b"));  // one layer
+  graph = Graph();
+  gpu::Slot cube = storage_out("value");
+  cube.shape = gpu::SlotShape::Cube;
+  const Tex c = graph.image("c", {{32, 32}, r32, 1, 4}, declared);
+  graph.compute("write", shaders.make({cube})).out("value", c, used).over(c);
+  expect(Kind::SizeMismatch, words("write", "value", "c"));
+}
+
+TEST_F(ValidateTest, AttachmentsAreOneMipOfOneLayer) {
+  const Tex a = graph.image("a", {{64, 32}, r32, 3, 2}, declared);
+  graph.raster("draw", paint).out("color", a, {0, 0, 0, 0}, used);
+  expect(Kind::SizeMismatch, words("draw", "color", "a"));
+}
+
+TEST_F(ValidateTest, AMipThatNobodyWrote) {
+  const Tex a = graph.image("a", {{64, 32}, r32, 3}, declared), b = image("b");
+  for (const uint8_t m : {uint8_t(0), uint8_t(2)})
+    graph.compute("write", source).out("value", mip(a, m)).over(mip(a, m));
+  graph.compute("filter", filter).in("from", a, used).out("value", b).over(b);
+  auto wanted = words("filter", "from", "a");
+  wanted.push_back("all the mips");
+  expect(Kind::ReadBeforeWrite, wanted);
+}
+
+TEST_F(ValidateTest, OneMipIntoTheNextIsFine) {
+  const Tex a = graph.image("a", {{64, 32}, r32, 3});
+  graph.compute("write", source).out("value", mip(a, 0)).over(a);
+  for (uint8_t m = 1; m < 3; ++m)
+    graph.compute("down", filter).in("from", mip(a, uint8_t(m - 1))).out("value", mip(a, m)).over(mip(a, m));
+  graph.readback("top", mip(a, 2));
+  for (const Diagnostic& d : validate(graph)) ADD_FAILURE() << d.text;
+  // The same mip twice is not.
+  graph.compute("bad", filter).in("from", a).out("value", mip(a, 1), used).over(mip(a, 1));
+  EXPECT_EQ(validate(graph).at(0).kind, Kind::UsedTwice);
+}
+
+// --- buffers, copies, arguments ---
+
+TEST_F(ValidateTest, BuffersHaveADirection) {
+  const Tex size = written("size");
+  const auto slot = [&](bool readonly, bool writeonly) {
+    return shaders.make(
+        {{.name = "list", .kind = gpu::SlotKind::StorageBuffer, .readonly = readonly, .writeonly = writeonly}});
+  };
+  const Buf b = graph.buffer("list", 64, declared);
+  graph.compute("out", slot(true, false)).out("list", b, used).over(size);
+  expect(Kind::Direction, words("out", "list", "list"));
+  graph.passes.back().pipeline = slot(false, false);
+  expect(Kind::Direction, words("out", "list", "list"));
+  graph.passes.back().pipeline = slot(false, true);
+  EXPECT_TRUE(faults(graph).empty());
+  graph.compute("in", slot(false, true)).in("list", b, used).over(size);
+  expect(Kind::Direction, words("in", "list", "list"));
+  graph.passes.back().pipeline = slot(false, false);
+  expect(Kind::Direction, words("in", "list", "list"));
+  graph.passes.back().pipeline = slot(true, false);
+  EXPECT_TRUE(faults(graph).empty());
+  graph.compute("inout", slot(true, false)).inout("list", b, used).over(size);
+  expect(Kind::Direction, words("inout", "list", "list"));
+}
+
+TEST_F(ValidateTest, ImportsAreOnlyRead) {
+  const Tex size = written("size");
+  const Buf b = graph.import("lights", buffer, declared);
+  graph.compute("out", shaders.make({{.name = "list", .kind = gpu::SlotKind::StorageBuffer, .writeonly = true}}))
+      .out("list", b, used)
+      .over(size);
+  expect(Kind::Direction, words("out", "list", "lights"));
+}
+
+TEST_F(ValidateTest, CopiesFit) {
+  const Tex a = written("a"), small = graph.image("small", {{8, 8}, r32}, declared);
+  graph.copy("copy", a, small, used);
+  expect(Kind::SizeMismatch, words("copy", "(copy)", "small"));
+  graph = Graph();
+  const Tex b = written("b"), half = graph.image("half", {{64, 32}, VK_FORMAT_R16_SFLOAT}, declared);
+  graph.copy("copy", b, half, used);
+  expect(Kind::FormatMismatch, words("copy", "(copy)", "half"));
+  graph = Graph();
+  const Buf large = graph.buffer("large", 128, declared);
+  graph.copy("copy", graph.import("lights", buffer), large, used);
+  expect(Kind::SizeMismatch, words("copy", "(copy)", "large"));
+}
+
+TEST_F(ValidateTest, ThreadsComeFromOneSide) {
+  const gpu::Buffer arguments{.size = 12};
+  const Tex a = image("a");
+  graph.compute("write", source, "", used).out("value", a).indirect(graph.import("arguments", arguments)).over(a);
+  expect(Kind::SizeMismatch, {"write", "over()", "indirect()", line_of(used)});
+  graph = Graph();
+  const Tex b = image("b");
+  graph.compute("write", source).out("value", b).indirect(graph.import("arguments", arguments));
+  EXPECT_TRUE(faults(graph).empty());
+  graph = Graph();
+  const Tex c = image("c");
+  graph.compute("write", source, "", used).out("value", c).over(mip(c, 4));
+  expect(Kind::SizeMismatch, {"write", "over()", line_of(used)});
+}
+
+TEST_F(ValidateTest, IndicesAndArgumentsWhereTheyMakeSense) {
+  const Tex a = image("a");
+  const Buf b = graph.import("table", buffer, declared);
+  graph.compute("write", source).out("value", a).indices(b, used).over(a);
+  expect(Kind::Direction, words("write", "(indices)", "table"));
+  graph = Graph();
+  const Tex c = image("c");
+  graph.fullscreen("paint", paint).out("color", c).indirect(graph.import("table", buffer, declared), 0, used);
+  expect(Kind::Direction, words("paint", "(indirect)", "table"));
 }
 
 }  // namespace

@@ -34,6 +34,15 @@ class Shaders {
   std::deque<gpu::ShaderInterface> interfaces_;
 };
 
+// validate() without what small graphs need not care about: outputs that nobody reads, histories used blindly.
+inline std::vector<Diagnostic> faults(const Graph& graph) {
+  std::vector<Diagnostic> found = validate(graph);
+  std::erase_if(found, [](const Diagnostic& d) {
+    return d.kind == Diagnostic::Kind::WrittenNeverRead || d.kind == Diagnostic::Kind::ValidityIgnored;
+  });
+  return found;
+}
+
 inline constexpr VkPipelineStageFlags2 compute_stage = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
 inline constexpr VkPipelineStageFlags2 fragment_stage = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
 inline constexpr VkPipelineStageFlags2 color_stage = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;

@@ -53,7 +53,7 @@ Command add_graph(CLI::App& parent) {
             scene::Scene scene = scene::load_gltf(state->scene);
             view.camera = view.previous_camera = scene::select_view(state->view, scene);
             gpu::Device device(device_options(*state));
-            passes::Renderer renderer(device, scene, !state->no_alias);
+            passes::Renderer renderer(device, scene, executor_options(*state));
             const Planned frame = plan_frame(renderer, view, settings);
             if (other) {
               settings.technique = other;

@@ -109,7 +109,20 @@ void add_render_flags(CLI::App& app, CommonOptions& o) {
   app.add_flag("--validation", o.validation, "Vulkan validation, synchronization included; slow")
       ->envname("NEARFIELD_VALIDATION");
   app.add_flag("--no-alias", o.no_alias, "Give every transient image memory of its own");
-  app.add_flag("--poison", o.poison, "Fill transient memory with 0xFF before each frame; pictures must not change");
+  app.add_flag("--poison{frame}", o.poison,
+               "Fill transient memory with 0xFF before each frame, or with --poison=handover at each change of owner; "
+               "pictures must not change")
+      ->check(CLI::IsMember({"frame", "handover"}));
+  app.add_option("--barriers", o.barriers, "Barriers of a pass in one call, or each in a call of its own")
+      ->check(CLI::IsMember({"merged", "each"}))
+      ->capture_default_str();
+  app.add_option("--layouts", o.layouts, "Image layouts: the exact one for each use, or general everywhere")
+      ->check(CLI::IsMember({"exact", "general"}))
+      ->capture_default_str();
+  app.add_option("--order-seed", o.order_seed,
+                 "Run the passes in another legal order, the same for the same number; pictures must not change (0: as "
+                 "declared)")
+      ->type_name("N");
   add_log_flags(app, o);
   app.parse_complete_callback([&app, &o] {
     o.size_given = app.count("--size") > 0;
@@ -137,6 +150,16 @@ glm::uvec2 parse_size(const std::string& text) {
 
 gpu::Timing parse_timing(const std::string& text) {
   return text == "overlap" ? gpu::Timing::Overlap : gpu::Timing::Serialize;
+}
+
+graph::ExecutorOptions executor_options(const CommonOptions& options) {
+  return {.alias = !options.no_alias,
+          .layouts = options.layouts == "general" ? graph::LayoutPolicy::General : graph::LayoutPolicy::Exact,
+          .order_seed = options.order_seed,
+          .merge_barriers = options.barriers == "merged",
+          .poison = options.poison == "frame"      ? graph::Poison::Frame
+                    : options.poison == "handover" ? graph::Poison::Handover
+                                                   : graph::Poison::Off};
 }
 
 gpu::DeviceOptions device_options(const CommonOptions& o) {

@@ -16,11 +16,13 @@ enum class ProgressMode { Auto, Bar, Plain, Json, None };
 struct CommonOptions {
   std::string device;
   std::string size = "1280x720";
-  std::string view, technique, mode, preset, log_file, timing = "serialize", progress = "auto";
+  std::string view, technique, mode, preset, log_file, timing = "serialize", progress = "auto", barriers = "merged",
+                                                       layouts = "exact", poison;
   std::vector<std::string> sets;
   uint32_t seed = 1;
+  uint64_t order_seed = 0;
   double timeout = 0;  // seconds; 0 = none
-  bool validation = false, quiet = false, verbose = false, no_alias = false, poison = false;
+  bool validation = false, quiet = false, verbose = false, no_alias = false;
   // Which of the flags that a preset can also set were given: they win.
   bool size_given = false, seed_given = false, technique_given = false, view_given = false;
 };
@@ -42,6 +44,7 @@ glm::uvec2 parse_size(const std::string& text);
 // Device, preset, technique and parameters, in this order, as the flags ask for. Applies the preset to `options` too.
 passes::FrameSettings make_settings(CommonOptions& options);
 gpu::Timing parse_timing(const std::string& text);
+graph::ExecutorOptions executor_options(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);
 
 Command add_render(CLI::App& app);

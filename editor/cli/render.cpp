@@ -143,7 +143,7 @@ class RenderJob {
     view_.camera = view_.previous_camera = scene::select_view(o_.view, scene);
     gpu::Device device(device_options(o_));
     if (device.facts.software) log::warn("{} is a software device: pass times are CPU times", device.info.name);
-    passes::Renderer renderer(device, scene, !o_.no_alias);
+    passes::Renderer renderer(device, scene, executor_options(o_));
     check_layers(renderer, settings, layers);
 
     const uint32_t total = o_.warmup + o_.frames;
@@ -201,7 +201,7 @@ class RenderJob {
       graph.readback("readback.layer", renderer.add_layer(graph, outputs, *aov, mean));
     if (pictures || layers.empty())
       graph.readback("readback.picture", renderer.add_picture(graph, outputs, settings, mean));
-    renderer.executor().run(graph, {.timing = parse_timing(o_.timing), .poison = o_.poison});
+    renderer.executor().run(graph, {.timing = parse_timing(o_.timing)});
     view_.previous_camera = view_.camera;
     const graph::FrameResult result = renderer.executor().finish();
     if (counted) {

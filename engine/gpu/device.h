@@ -31,6 +31,12 @@ struct DeviceFacts {
   uint32_t max_image_layers = 0, max_image_size = 0;
 };
 
+// Objects alive, for tests and the editor's memory view.
+struct DeviceCounts {
+  uint32_t images = 0, views = 0, buffers = 0, allocations = 0;
+  bool operator==(const DeviceCounts&) const = default;
+};
+
 struct Device {
   explicit Device(const DeviceOptions& options);
   ~Device();
@@ -47,6 +53,7 @@ struct Device {
   DeviceFacts facts;
   DeviceInfo info;
   bool validation = false;
+  DeviceCounts counts;
 
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
   PFN_vkCmdBeginDebugUtilsLabelEXT begin_label = nullptr;

@@ -85,6 +85,12 @@ void FrameRing::wait(const Frame& frame) {
   NF_VK(vkWaitSemaphores(device_.handle, &info, UINT64_MAX));
 }
 
+uint64_t FrameRing::finished() const {
+  uint64_t value = 0;
+  NF_VK(vkGetSemaphoreCounterValue(device_.handle, timeline_, &value));
+  return value;
+}
+
 VkDeviceSize FrameRing::uniform_stride(VkDeviceSize bytes) const {
   const VkDeviceSize alignment = device_.properties.limits.minUniformBufferOffsetAlignment;
   return (bytes + alignment - 1) / alignment * alignment;

@@ -43,6 +43,9 @@ class FrameRing {
   Frame& begin(VkDeviceSize uniform_bytes, uint32_t timestamps);
   void submit(Frame& frame);
   void wait(const Frame& frame);
+  // How many frames were submitted, and how many of them are done.
+  uint64_t submitted() const { return submitted_; }
+  uint64_t finished() const;
   UniformRange push_uniform(Frame& frame, std::span<const std::byte> data);
   VkDeviceSize uniform_stride(VkDeviceSize bytes) const;
 

@@ -32,7 +32,14 @@ VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, Where
   VkDeviceMemory memory = VK_NULL_HANDLE;
   const Doing doing(fmt::format("allocating {:.1f} MiB for {}", double(needs.size) / 1048576.0, name));
   NF_VK(vkAllocateMemory(device.handle, &allocate_info, nullptr, &memory));
+  ++device.counts.allocations;
   return memory;
+}
+
+void release(Device& device, VkDeviceMemory memory) {
+  if (!memory) return;
+  vkFreeMemory(device.handle, memory, nullptr);
+  --device.counts.allocations;
 }
 
 struct FormatRow {
@@ -65,15 +72,26 @@ const FormatRow* find_row(VkFormat format) {
   return nullptr;
 }
 
+VkBufferCreateInfo create_info(VkDeviceSize size, VkBufferUsageFlags usage) {
+  return {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
+}
+
+// The buffer without memory.
+void begin_buffer(Device& device, Buffer& buffer, VkDeviceSize size, VkBufferUsageFlags usage,
+                  VkMemoryRequirements& needs) {
+  const VkBufferCreateInfo create = create_info(size, usage);
+  NF_VK(vkCreateBuffer(device.handle, &create, nullptr, &buffer.handle));
+  ++device.counts.buffers;
+  vkGetBufferMemoryRequirements(device.handle, buffer.handle, &needs);
+}
+
 }  // namespace
 
 Buffer create_buffer(Device& device, VkDeviceSize size, VkBufferUsageFlags usage, Where where,
                      const std::string& name) {
   Buffer buffer{.size = size};
-  VkBufferCreateInfo create{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
-  NF_VK(vkCreateBuffer(device.handle, &create, nullptr, &buffer.handle));
   VkMemoryRequirements needs;
-  vkGetBufferMemoryRequirements(device.handle, buffer.handle, &needs);
+  begin_buffer(device, buffer, size, usage, needs);
   buffer.memory = allocate(device, needs, where, name);
   NF_VK(vkBindBufferMemory(device.handle, buffer.handle, buffer.memory, 0));
   if (where == Where::Host) {
@@ -85,16 +103,32 @@ Buffer create_buffer(Device& device, VkDeviceSize size, VkBufferUsageFlags usage
   return buffer;
 }
 
+Buffer place_buffer(Device& device, VkDeviceSize size, VkBufferUsageFlags usage, const std::string& name,
+                    const Heap& heap, VkDeviceSize offset) {
+  Buffer buffer{.size = size};
+  VkMemoryRequirements needs;
+  begin_buffer(device, buffer, size, usage, needs);
+  NF_CHECK(offset % needs.alignment == 0 && offset + needs.size <= heap.size, "{} at {} of {}", name, offset,
+           heap.size);
+  NF_VK(vkBindBufferMemory(device.handle, buffer.handle, heap.memory, offset));
+  device.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer.handle), name);
+  return buffer;
+}
+
 void destroy(Device& device, Buffer& buffer) {
+  if (!buffer.handle) return;
   vkDestroyBuffer(device.handle, buffer.handle, nullptr);
-  vkFreeMemory(device.handle, buffer.memory, nullptr);
+  --device.counts.buffers;
+  release(device, buffer.memory);
   buffer = {};
 }
 
 namespace {
 
 VkImageCreateInfo create_info(const ImageInfo& info) {
+  const bool cube = info.layers == 6 && info.extent.width == info.extent.height;
   return {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+          .flags = VkImageCreateFlags(cube ? VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT : 0),
           .imageType = VK_IMAGE_TYPE_2D,
           .format = info.format,
           .extent = {info.extent.width, info.extent.height, 1},
@@ -113,30 +147,43 @@ Image begin_image(Device& device, const ImageInfo& info, const std::string& name
   Image image{.info = info};
   const VkImageCreateInfo create = create_info(info);
   NF_VK(vkCreateImage(device.handle, &create, nullptr, &image.handle));
+  ++device.counts.images;
   vkGetImageMemoryRequirements(device.handle, image.handle, &needs);
   image.bytes = needs.size;
   return image;
 }
 
-void finish_image(Device& device, Image& image, const std::string& name, bool array) {
-  VkImageViewCreateInfo view{
-      .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-      .image = image.handle,
-      .viewType = array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
-      .format = image.info.format,
-      .subresourceRange = {aspect_of(image.info.format), 0, image.info.mips, 0, image.info.layers}};
-  NF_VK(vkCreateImageView(device.handle, &view, nullptr, &image.view));
-  device.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image.handle), name);
-}
-
 }  // namespace
 
-Image create_image(Device& device, const ImageInfo& info, const std::string& name, bool array) {
+VkImageView create_view(Device& device, const Image& image, VkImageViewType type,
+                        const VkImageSubresourceRange& range) {
+  VkImageViewCreateInfo create{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                               .image = image.handle,
+                               .viewType = type,
+                               .format = image.info.format,
+                               .subresourceRange = range};
+  VkImageView view = VK_NULL_HANDLE;
+  NF_VK(vkCreateImageView(device.handle, &create, nullptr, &view));
+  ++device.counts.views;
+  return view;
+}
+
+void destroy_view(Device& device, VkImageView view) {
+  if (!view) return;
+  vkDestroyImageView(device.handle, view, nullptr);
+  --device.counts.views;
+}
+
+Image create_image(Device& device, const ImageInfo& info, const std::string& name, WholeView view) {
   VkMemoryRequirements needs;
   Image image = begin_image(device, info, name, needs);
   image.memory = allocate(device, needs, Where::Device, name);
   NF_VK(vkBindImageMemory(device.handle, image.handle, image.memory, 0));
-  finish_image(device, image, name, array);
+  device.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image.handle), name);
+  if (view != WholeView::None)
+    image.view =
+        create_view(device, image, view == WholeView::Array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
+                    {aspect_of(info.format), 0, info.mips, 0, info.layers});
   return image;
 }
 
@@ -147,8 +194,24 @@ Image place_image(Device& device, const ImageInfo& info, const std::string& name
   NF_CHECK(offset % needs.alignment == 0 && offset + needs.size <= heap.size, "{} at {} of {}", name, offset,
            heap.size);
   NF_VK(vkBindImageMemory(device.handle, image.handle, heap.memory, offset));
-  finish_image(device, image, name, false);
+  device.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image.handle), name);
   return image;
+}
+
+VkImageUsageFlags possible_usage(const Device& device, VkFormat format) {
+  VkFormatProperties properties;
+  vkGetPhysicalDeviceFormatProperties(device.physical, format, &properties);
+  static const std::pair<VkFormatFeatureFlags, VkImageUsageFlags> table[] = {
+      {VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT, VK_IMAGE_USAGE_SAMPLED_BIT},
+      {VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT, VK_IMAGE_USAGE_STORAGE_BIT},
+      {VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT},
+      {VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT},
+      {VK_FORMAT_FEATURE_TRANSFER_SRC_BIT, VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
+      {VK_FORMAT_FEATURE_TRANSFER_DST_BIT, VK_IMAGE_USAGE_TRANSFER_DST_BIT}};
+  VkImageUsageFlags usage = 0;
+  for (const auto& [feature, allowed] : table)
+    if (properties.optimalTilingFeatures & feature) usage |= allowed;
+  return usage;
 }
 
 MemoryNeeds image_needs(const Device& device, const ImageInfo& info) {
@@ -162,19 +225,26 @@ MemoryNeeds image_needs(const Device& device, const ImageInfo& info) {
   return {plain.size, plain.alignment, plain.memoryTypeBits, dedicated.requiresDedicatedAllocation == VK_TRUE};
 }
 
+MemoryNeeds buffer_needs(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage) {
+  const VkBufferCreateInfo create = create_info(size, usage);
+  VkDeviceBufferMemoryRequirements query{.sType = VK_STRUCTURE_TYPE_DEVICE_BUFFER_MEMORY_REQUIREMENTS,
+                                         .pCreateInfo = &create};
+  VkMemoryDedicatedRequirements dedicated{.sType = VK_STRUCTURE_TYPE_MEMORY_DEDICATED_REQUIREMENTS};
+  VkMemoryRequirements2 needs{.sType = VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2, .pNext = &dedicated};
+  vkGetDeviceBufferMemoryRequirements(device.handle, &query, &needs);
+  const VkMemoryRequirements& plain = needs.memoryRequirements;
+  return {plain.size, plain.alignment, plain.memoryTypeBits, dedicated.requiresDedicatedAllocation == VK_TRUE};
+}
+
 Heap create_heap(Device& device, VkDeviceSize size, uint32_t type_bits, const std::string& name) {
   const VkMemoryRequirements needs{.size = size, .alignment = 1, .memoryTypeBits = type_bits};
   return {allocate(device, needs, Where::Device, name), size, type_bits};
 }
 
 Buffer cover(Device& device, const Heap& heap) {
-  Buffer buffer{.size = heap.size};
-  VkBufferCreateInfo create{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                            .size = heap.size / 4 * 4,
-                            .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
-  NF_VK(vkCreateBuffer(device.handle, &create, nullptr, &buffer.handle));
+  Buffer buffer{.size = heap.size / 4 * 4};
   VkMemoryRequirements needs;
-  vkGetBufferMemoryRequirements(device.handle, buffer.handle, &needs);
+  begin_buffer(device, buffer, buffer.size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, needs);
   if (!(needs.memoryTypeBits & heap.type_bits) || needs.size > heap.size)
     fail(Exit::Gpu, "cannot poison: {} keeps buffers and images in different memory", device.info.name);
   NF_VK(vkBindBufferMemory(device.handle, buffer.handle, heap.memory, 0));
@@ -182,14 +252,16 @@ Buffer cover(Device& device, const Heap& heap) {
 }
 
 void destroy(Device& device, Heap& heap) {
-  vkFreeMemory(device.handle, heap.memory, nullptr);
+  release(device, heap.memory);
   heap = {};
 }
 
 void destroy(Device& device, Image& image) {
-  vkDestroyImageView(device.handle, image.view, nullptr);
+  if (!image.handle) return;
+  destroy_view(device, image.view);
   vkDestroyImage(device.handle, image.handle, nullptr);
-  vkFreeMemory(device.handle, image.memory, nullptr);
+  --device.counts.images;
+  release(device, image.memory);
   image = {};
 }
 

@@ -26,7 +26,7 @@ struct ImageInfo {
   uint32_t mips = 1, layers = 1;
   VkImageUsageFlags usage = 0;
 };
-// `view` covers all mips and layers: 2D, or 2D array when `array`.
+// `view` covers all mips and layers, or is null.
 struct Image {
   VkImage handle = VK_NULL_HANDLE;
   VkDeviceMemory memory = VK_NULL_HANDLE;
@@ -34,18 +34,25 @@ struct Image {
   ImageInfo info;
   VkDeviceSize bytes = 0;
 };
-Image create_image(Device& device, const ImageInfo& info, const std::string& name, bool array = false);
+enum class WholeView { None, Flat, Array };
+Image create_image(Device& device, const ImageInfo& info, const std::string& name, WholeView view = WholeView::Flat);
 void destroy(Device& device, Image& image);
+// A view of some mips and layers. The caller destroys it, before the image, with destroy_view().
+VkImageView create_view(Device& device, const Image& image, VkImageViewType type, const VkImageSubresourceRange& range);
+void destroy_view(Device& device, VkImageView view);
+// The usages that the format can be made with on this device.
+VkImageUsageFlags possible_usage(const Device& device, VkFormat format);
 
-// What an image would ask for, without making one. `dedicated`: it must have memory of its own.
+// What a resource would ask for, without making one. `dedicated`: it must have memory of its own.
 struct MemoryNeeds {
   VkDeviceSize size = 0, alignment = 1;
   uint32_t type_bits = ~0u;
   bool dedicated = false;
 };
 MemoryNeeds image_needs(const Device& device, const ImageInfo& info);
+MemoryNeeds buffer_needs(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage);
 
-// Memory that images are placed in. They do not own it: destroy them first.
+// Memory that images and buffers are placed in. They do not own it: destroy them first.
 struct Heap {
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkDeviceSize size = 0;
@@ -57,6 +64,8 @@ void destroy(Device& device, Heap& heap);
 Buffer cover(Device& device, const Heap& heap);
 Image place_image(Device& device, const ImageInfo& info, const std::string& name, const Heap& heap,
                   VkDeviceSize offset);
+Buffer place_buffer(Device& device, VkDeviceSize size, VkBufferUsageFlags usage, const std::string& name,
+                    const Heap& heap, VkDeviceSize offset);
 
 VkImageAspectFlags aspect_of(VkFormat format);
 // Bytes of a texel; 0 for formats this engine does not use.

@@ -77,6 +77,10 @@ class Reflector {
           .kind = kind,
           .binding = compiler.get_decoration(resource.id, spv::DecorationBinding)};
       const auto& type = compiler.get_type(resource.base_type_id);
+      if (type.basetype == spirv_cross::SPIRType::Image || type.basetype == spirv_cross::SPIRType::SampledImage)
+        slot.shape = type.image.dim == spv::DimCube ? SlotShape::Cube
+                     : type.image.arrayed           ? SlotShape::Array
+                                                    : SlotShape::Flat;
       if (kind == SlotKind::UniformBlock) {
         slot.block_size = uint32_t(compiler.get_declared_struct_size(type));
         for (uint32_t i = 0; i < type.member_types.size(); ++i)

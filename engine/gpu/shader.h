@@ -16,11 +16,15 @@ using Defines = std::vector<std::pair<std::string, std::string>>;
 
 enum class SlotKind : uint8_t { UniformBlock, StorageBuffer, StorageImage, SampledImage, Sampler, CombinedImage };
 
+// Of images: one layer, several, or the six of a cube.
+enum class SlotShape : uint8_t { Flat, Array, Cube };
+
 // One descriptor of set 0 as the shader declares it. A uniform block's name is its instance's ("vbgi").
 struct Slot {
   std::string name;
   SlotKind kind = SlotKind::UniformBlock;
   uint32_t binding = 0;
+  SlotShape shape = SlotShape::Flat;
   bool readonly = false, writeonly = false;               // storage images and buffers
   VkFormat format = VK_FORMAT_UNDEFINED;                  // storage images that name one
   uint32_t block_size = 0;                                // uniform blocks: bytes

@@ -14,28 +14,40 @@ enum class Use : uint8_t {
   StorageImageReadWrite,
   ColorAttachment,
   DepthAttachment,
-  CopySource,  // read-back
+  CopySource,
+  CopyDestination,
   StorageBufferRead,
+  StorageBufferWrite,
+  StorageBufferReadWrite,
+  IndirectArguments,
+  Indices,
 };
 
-enum class PassKind : uint8_t { Compute, Fullscreen, Raster, Readback };
+enum class PassKind : uint8_t { Compute, Fullscreen, Raster, Copy, Readback };
+
+// Exact: each use in its own layout. General: everything in VK_IMAGE_LAYOUT_GENERAL, so that only an image's first use
+// in a frame is a transition.
+enum class LayoutPolicy : uint8_t { Exact, General };
 
 struct Access {
   VkPipelineStageFlags2 stages;
   VkAccessFlags2 read, write;
   VkImageLayout layout;  // images only
-  VkImageUsageFlags usage;
+  VkFlags usage;         // of the image or of the buffer
   const char* name;
 };
 
-Access access_of(Use use, PassKind kind);
-inline bool writes(Use use) {
-  return use == Use::StorageImageWrite || use == Use::StorageImageReadWrite || use == Use::ColorAttachment ||
-         use == Use::DepthAttachment;
+Access access_of(Use use, PassKind kind, LayoutPolicy layouts = LayoutPolicy::Exact);
+constexpr bool is_attachment(Use use) {
+  return use == Use::ColorAttachment || use == Use::DepthAttachment;
+}
+constexpr bool writes(Use use) {
+  return is_attachment(use) || use == Use::StorageImageWrite || use == Use::StorageImageReadWrite ||
+         use == Use::StorageBufferWrite || use == Use::StorageBufferReadWrite || use == Use::CopyDestination;
 }
 // Whether the use needs what was there before. Attachments do unless they are cleared or first written (compile knows).
-inline bool reads(Use use) {
-  return use != Use::StorageImageWrite && use != Use::ColorAttachment && use != Use::DepthAttachment;
+constexpr bool reads(Use use) {
+  return !writes(use) || use == Use::StorageImageReadWrite || use == Use::StorageBufferReadWrite;
 }
 const char* kind_name(PassKind kind);
 

@@ -23,6 +23,8 @@ const char* layout_name(VkImageLayout layout) {
       return "depth_attachment";
     case VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL:
       return "transfer_source";
+    case VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL:
+      return "transfer_destination";
     default:
       return "other";
   }
@@ -36,15 +38,13 @@ std::string stages_text(VkPipelineStageFlags2 stages) {
       {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, "color"},
       {VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT, "early_depth"},
       {VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT, "late_depth"},
-      {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"}};
+      {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"},
+      {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "indirect"},
+      {VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, "indices"}};
   std::string text;
   for (const auto& [bit, name] : names)
     if (stages & bit) text += (text.empty() ? "" : "|") + std::string(name);
   return text.empty() ? "none" : text;
-}
-
-std::span<const UseRow> uses_of(const Graph& graph, const PassRow& pass) {
-  return std::span(graph.uses).subspan(pass.first_use, pass.use_count);
 }
 
 // "name" of a resource; the two sides of a history are told apart.
@@ -52,6 +52,32 @@ std::string resource_name(const Graph& graph, uint16_t resource) {
   const ResourceRow& row = graph.resources[resource];
   return row.lifetime == Lifetime::HistoryPrev ? fmt::format("{}.prev", row.name) : row.name;
 }
+
+// " mip 2, layers 0-5" of what is not the whole image.
+std::string part_text(const ResourceRow& row, const Part& part) {
+  if (row.is_buffer) return "";
+  const auto range = [](const char* what, uint32_t first, uint32_t count, uint32_t all) {
+    if (count == all) return std::string();
+    return count == 1 ? fmt::format(" {} {}", what, first) : fmt::format(" {}s {}-{}", what, first, first + count - 1);
+  };
+  return range("mip", part.mip, part.mips, row.desc.mips) + range("layer", part.layer, part.layers, row.desc.layers);
+}
+std::string use_text(const Graph& graph, const UseRow& use) {
+  return resource_name(graph, use.resource) + part_text(graph.resources[use.resource], use.part);
+}
+
+std::string size_text(const ResourceRow& row) {
+  if (row.is_buffer) return fmt::format("{} B", row.bytes);
+  std::string text = fmt::format("{}x{}", row.desc.size.width, row.desc.size.height);
+  if (row.desc.layers > 1) text += fmt::format("x{}", row.desc.layers);
+  if (row.desc.mips > 1) text += fmt::format(" m{}", row.desc.mips);
+  return text;
+}
+const char* format_text(const ResourceRow& row) {
+  return row.is_buffer ? "buffer" : gpu::format_name(row.desc.format);
+}
+
+constexpr double mib = 1048576.0;
 
 }  // namespace
 
@@ -62,16 +88,22 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
   for (size_t i = 0; i < graph.passes.size(); ++i) {
     const PassRow& pass = graph.passes[i];
     json uses = json::array(), barriers = json::array();
-    for (const UseRow& use : uses_of(graph, pass))
-      uses.push_back({{"resource", use.is_buffer ? std::string(graph.buffers[use.resource].name)
-                                                 : resource_name(graph, use.resource)},
+    for (const UseRow& use : graph.uses_of(pass))
+      uses.push_back({{"resource", resource_name(graph, use.resource)},
                       {"use", access_of(use.use, pass.kind).name},
                       {"slot", use.slot ? json(use.slot) : json(nullptr)},
-                      {"mip", 0}});
+                      {"mip", use.part.mip},
+                      {"mips", use.part.mips},
+                      {"layer", use.part.layer},
+                      {"layers", use.part.layers}});
     if (planned[i])
       for (uint32_t b = planned[i]->first_barrier; b < planned[i]->first_barrier + planned[i]->barrier_count; ++b) {
         const Barrier& barrier = plan.barriers[b];
         barriers.push_back({{"resource", resource_name(graph, barrier.resource)},
+                            {"mip", barrier.part.mip},
+                            {"mips", barrier.part.mips},
+                            {"layer", barrier.part.layer},
+                            {"layers", barrier.part.layers},
                             {"src", stages_text(barrier.src_stages)},
                             {"dst", stages_text(barrier.dst_stages)},
                             {"from", layout_name(barrier.old_layout)},
@@ -91,30 +123,22 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
     for (const uint16_t other : p.alias_of)
       if (other != r) alias_of.push_back(resource_name(graph, other));
     resources.push_back({{"name", resource_name(graph, r)},
-                         {"kind", "image"},
-                         {"format", gpu::format_name(row.desc.format)},
-                         {"size", {row.desc.size.width, row.desc.size.height}},
+                         {"kind", row.is_buffer ? "buffer" : "image"},
+                         {"format", row.is_buffer ? json(nullptr) : json(gpu::format_name(row.desc.format))},
+                         {"size", row.is_buffer ? json(row.bytes) : json({row.desc.size.width, row.desc.size.height})},
+                         {"mips", row.desc.mips},
+                         {"layers", row.desc.layers},
                          {"bytes", p.bytes},
                          {"first", p.live ? json(p.first) : json(nullptr)},
                          {"last", p.live ? json(p.last) : json(nullptr)},
                          {"heap", p.heap >= 0 ? json(p.heap) : json(nullptr)},
                          {"offset", p.heap >= 0 ? json(p.offset) : json(nullptr)},
                          {"transient", row.lifetime == Lifetime::Transient},
+                         {"imported", row.lifetime == Lifetime::Imported},
+                         {"dedicated", p.dedicated},
                          {"alias_of", alias_of}});
     if (row.lifetime == Lifetime::HistoryNext) histories.push_back({{"name", row.name}, {"live", p.live}});
   }
-  for (const BufferRow& row : graph.buffers)
-    resources.push_back({{"name", row.name},
-                         {"kind", "buffer"},
-                         {"format", nullptr},
-                         {"size", row.buffer->size},
-                         {"bytes", row.buffer->size},
-                         {"first", nullptr},
-                         {"last", nullptr},
-                         {"heap", nullptr},
-                         {"offset", nullptr},
-                         {"transient", false},
-                         {"alias_of", json::array()}});
   return {{"schema", "nearfield.graph/1"},
           {"passes", passes},
           {"resources", resources},
@@ -127,19 +151,20 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
 
 std::string to_text(const Graph& graph, const Plan& plan) {
   std::string text = fmt::format("{:3} {:22} {:10}  {}\n", "#", "pass", "kind", "reads -> writes   [barriers]");
-  uint32_t position = 0;
   std::vector<const PlannedPass*> planned(graph.passes.size(), nullptr);
-  for (const PlannedPass& p : plan.passes) planned[p.pass] = &p;
+  std::vector<size_t> position(graph.passes.size(), 0);
+  for (size_t i = 0; i < plan.passes.size(); ++i) {
+    planned[plan.passes[i].pass] = &plan.passes[i];
+    position[plan.passes[i].pass] = i;
+  }
   for (size_t i = 0; i < graph.passes.size(); ++i) {
     const PassRow& pass = graph.passes[i];
     std::string in, out;
-    for (const UseRow& use : uses_of(graph, pass)) {
-      const std::string name =
-          use.is_buffer ? std::string(graph.buffers[use.resource].name) : resource_name(graph, use.resource);
-      std::string& side = writes(use.use) && !use.is_buffer ? out : in;
-      side += (side.empty() ? "" : ", ") + name;
+    for (const UseRow& use : graph.uses_of(pass)) {
+      std::string& side = writes(use.use) ? out : in;
+      side += (side.empty() ? "" : ", ") + use_text(graph, use);
     }
-    const std::string number = planned[i] ? fmt::format("{}", position++) : "-";
+    const std::string number = planned[i] ? fmt::format("{}", position[i]) : "-";
     text += fmt::format("{:3} {:22} {:10}  {} -> {}   [{}]\n", number, pass.name,
                         planned[i] ? kind_name(pass.kind) : "culled", in, out.empty() ? "host" : out,
                         planned[i] ? planned[i]->barrier_count : 0);
@@ -148,33 +173,43 @@ std::string to_text(const Graph& graph, const Plan& plan) {
   for (uint16_t r = 0; r < graph.resources.size(); ++r) {
     const ResourceRow& row = graph.resources[r];
     const PlannedResource& p = plan.resources[r];
-    text += fmt::format(
-        "{:26} {:20} {:>11} {:>10}  {}\n", resource_name(graph, r), gpu::format_name(row.desc.format),
-        fmt::format("{}x{}", row.desc.size.width, row.desc.size.height), p.bytes / 1024,
-        !p.live ? std::string("unused")
-                : fmt::format("{}-{}{}", p.first, p.last, row.lifetime == Lifetime::Transient ? "" : " (history)"));
+    const char* kind = row.lifetime == Lifetime::Imported    ? " (imported)"
+                       : row.lifetime != Lifetime::Transient ? " (history)"
+                       : p.dedicated                         ? " (memory of its own: the device asks for it)"
+                                                             : "";
+    std::string where;
+    if (p.heap >= 0) where = fmt::format(", heap {} at {} KiB", p.heap, p.offset / 1024);
+    text += fmt::format("{:26} {:20} {:>11} {:>10}  {}\n", resource_name(graph, r), format_text(row), size_text(row),
+                        p.bytes / 1024,
+                        p.live ? fmt::format("{}-{}{}{}", p.first, p.last, kind, where) : std::string("unused"));
   }
-  text += fmt::format("\nmemory: placed {:.2f} MiB, max live {:.2f} MiB, unaliased {:.2f} MiB; {} barriers\n",
-                      double(plan.placed_bytes) / 1048576.0, double(plan.max_live_bytes) / 1048576.0,
-                      double(plan.unaliased_bytes) / 1048576.0, plan.barriers.size());
+  text += fmt::format(
+      "\nmemory: placed {:.2f} MiB, max live {:.2f} MiB (no placement needs less), unaliased {:.2f} MiB; {} barriers\n",
+      double(plan.placed_bytes) / mib, double(plan.max_live_bytes) / mib, double(plan.unaliased_bytes) / mib,
+      plan.barriers.size());
   return text;
 }
 
 std::string to_dot(const Graph& graph, const Plan& plan) {
   std::string text = "digraph frame {\n  rankdir=LR;\n  node [fontname=\"sans-serif\"];\n";
-  for (uint16_t r = 0; r < graph.resources.size(); ++r)
-    text +=
-        fmt::format("  r{} [label=\"{}\\n{} {}x{}\", shape=ellipse{}];\n", r, resource_name(graph, r),
-                    gpu::format_name(graph.resources[r].desc.format), graph.resources[r].desc.size.width,
-                    graph.resources[r].desc.size.height, plan.resources[r].live ? "" : ", color=grey, fontcolor=grey");
+  for (uint16_t r = 0; r < graph.resources.size(); ++r) {
+    if (graph.resources[r].lifetime == Lifetime::Imported) continue;  // tables that are only read: no order, no edge
+    text += fmt::format("  r{} [label=\"{}\\n{} {}\", shape={}{}];\n", r, resource_name(graph, r),
+                        format_text(graph.resources[r]), size_text(graph.resources[r]),
+                        graph.resources[r].is_buffer ? "cylinder" : "ellipse",
+                        plan.resources[r].live ? "" : ", color=grey, fontcolor=grey");
+  }
   for (size_t i = 0; i < graph.passes.size(); ++i) {
     const PassRow& pass = graph.passes[i];
     text += fmt::format("  p{} [label=\"{}\", shape=box{}];\n", i, pass.name,
                         plan.culled[i] ? ", color=grey, fontcolor=grey" : ", style=filled, fillcolor=lightblue");
-    for (const UseRow& use : uses_of(graph, pass)) {
-      if (use.is_buffer) continue;
-      text += writes(use.use) ? fmt::format("  p{} -> r{};\n", i, use.resource)
-                              : fmt::format("  r{} -> p{};\n", use.resource, i);
+    for (const UseRow& use : graph.uses_of(pass)) {
+      const ResourceRow& row = graph.resources[use.resource];
+      if (row.lifetime == Lifetime::Imported) continue;
+      const std::string label = part_text(row, use.part);
+      const std::string part = label.empty() ? "" : fmt::format(" [label=\"{}\"]", label.substr(1));
+      text += writes(use.use) ? fmt::format("  p{} -> r{}{};\n", i, use.resource, part)
+                              : fmt::format("  r{} -> p{}{};\n", use.resource, i, part);
     }
   }
   return text + "}\n";

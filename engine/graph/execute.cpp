@@ -6,96 +6,148 @@
 namespace nf::graph {
 namespace {
 
-VkImageMemoryBarrier2 whole_image(const gpu::Image& image) {
+VkImageMemoryBarrier2 image_barrier(const gpu::Image& image, const Part& part) {
   return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
           .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
           .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
           .image = image.handle,
-          .subresourceRange = {gpu::aspect_of(image.info.format), 0, VK_REMAINING_MIP_LEVELS, 0,
-                               VK_REMAINING_ARRAY_LAYERS}};
+          .subresourceRange = {gpu::aspect_of(image.info.format), part.mip, part.mips, part.layer, part.layers}};
 }
 
 void emit(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images,
-          const VkMemoryBarrier2* memory = nullptr) {
-  VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                              .memoryBarrierCount = memory ? 1u : 0u,
-                              .pMemoryBarriers = memory,
-                              .imageMemoryBarrierCount = uint32_t(images.size()),
-                              .pImageMemoryBarriers = images.data()};
+          std::span<const VkBufferMemoryBarrier2> buffers, std::span<const VkMemoryBarrier2> memory = {}) {
+  const VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                                    .memoryBarrierCount = uint32_t(memory.size()),
+                                    .pMemoryBarriers = memory.data(),
+                                    .bufferMemoryBarrierCount = uint32_t(buffers.size()),
+                                    .pBufferMemoryBarriers = buffers.data(),
+                                    .imageMemoryBarrierCount = uint32_t(images.size()),
+                                    .pImageMemoryBarriers = images.data()};
   vkCmdPipelineBarrier2(commands, &dependency);
 }
 
+void emit(VkCommandBuffer commands, VkPipelineStageFlags2 src, VkAccessFlags2 src_access, VkPipelineStageFlags2 dst,
+          VkAccessFlags2 dst_access) {
+  const VkMemoryBarrier2 memory{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                .srcStageMask = src,
+                                .srcAccessMask = src_access,
+                                .dstStageMask = dst,
+                                .dstAccessMask = dst_access};
+  emit(commands, {}, {}, {&memory, 1});
+}
+
+constexpr VkPipelineStageFlags2 all_stages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+constexpr VkAccessFlags2 any_write = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                         any_access = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+
 }  // namespace
 
-void Executor::poison(VkCommandBuffer commands) {
-  if (poison_.empty())
-    for (const gpu::Heap& heap : heaps_) poison_.push_back(gpu::cover(device_, heap));
-  VkMemoryBarrier2 before{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                          .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                          .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-                          .dstStageMask = VK_PIPELINE_STAGE_2_CLEAR_BIT,
-                          .dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT};
-  emit(commands, {}, &before);
-  for (const gpu::Buffer& buffer : poison_) vkCmdFillBuffer(commands, buffer.handle, 0, VK_WHOLE_SIZE, 0xffffffffu);
-  VkMemoryBarrier2 after{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                         .srcStageMask = VK_PIPELINE_STAGE_2_CLEAR_BIT,
-                         .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                         .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                         .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
-  emit(commands, {}, &after);
+// Before the pass at `position`.
+void Executor::poison(VkCommandBuffer commands, uint32_t position) {
+  const RealPlan& real = plans_[current_];
+  struct Range {
+    SharedHeap* heap;
+    uint64_t begin, size;
+  };
+  std::vector<Range> ranges;
+  if (options.poison == Poison::Frame && position == 0)
+    for (const size_t heap : real.heaps) ranges.push_back({&heaps_[heap], 0, VK_WHOLE_SIZE});
+  if (options.poison == Poison::Handover)
+    for (const PlannedResource& planned : real.plan.resources)
+      if (planned.live && planned.heap >= 0 && planned.first == position)
+        ranges.push_back({&heaps_[real.heaps[size_t(planned.heap)]], planned.offset, planned.bytes / 4 * 4});
+  if (ranges.empty()) return;
+  emit(commands, all_stages, any_write, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+  for (const Range& range : ranges) {
+    if (!range.heap->cover.handle) range.heap->cover = gpu::cover(device_, range.heap->heap);
+    vkCmdFillBuffer(commands, range.heap->cover.handle, range.begin, range.size, 0xffffffffu);
+  }
+  emit(commands, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, all_stages, any_access);
 }
 
 // Before a plan's first frame: everything earlier is finished, and histories are where the plan expects them. A history
-// that was never written is cleared, so that reading it is defined.
+// that the frame before did not write is cleared, so that reading it is defined.
 void Executor::settle(const Graph& graph, VkCommandBuffer commands) {
-  VkMemoryBarrier2 all{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                       .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                       .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-                       .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                       .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
-  emit(commands, {}, &all);
+  const RealPlan& real = plans_[current_];
+  if (switched_) emit(commands, all_stages, any_write, all_stages, any_access);
   for (uint16_t r = 0; r < graph.resources.size(); ++r) {
     const ResourceRow& row = graph.resources[r];
-    if (row.lifetime != Lifetime::HistoryPrev || history_of_[r] < 0 || !plan_.resources[r].live) continue;
-    PhysicalHistory& history = histories_[size_t(history_of_[r])];
-    const uint32_t prev = 1 - parity_;
-    // What the ring of compile.cpp takes as the state before the first use of prev.
-    const VkImageLayout expected =
-        plan_.resources[row.pair].live ? plan_.resources[row.pair].last_layout : plan_.resources[r].last_layout;
-    VkImageMemoryBarrier2 barrier = whole_image(history.images[prev]);
-    barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    if (history.layouts[prev] == VK_IMAGE_LAYOUT_UNDEFINED) {
-      barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-      emit(commands, {&barrier, 1});
-      const VkClearColorValue zero{};
-      vkCmdClearColorImage(commands, history.images[prev].handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &zero, 1,
-                           &barrier.subresourceRange);
-      barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-    } else {
-      barrier.oldLayout = history.layouts[prev];
-    }
-    barrier.newLayout = expected;
-    emit(commands, {&barrier, 1});
+    if (row.lifetime != Lifetime::HistoryPrev || !real.plan.resources[r].live) continue;
+    PhysicalHistory& history = *real.histories[r];
+    const bool clear = !row.valid || history.written + 1 != runs_;
+    if (clear || switched_)
+      settle_history(history, 1 - parity_, clear, &real.plan.cells[real.plan.resources[r].first_cell], commands);
   }
 }
 
-void Executor::record_barriers(const PlannedPass& planned, VkCommandBuffer commands, const ExecuteOptions& options) {
-  std::vector<VkImageMemoryBarrier2> barriers;
+// `expected` by cell: the layouts that the plan's barriers take it from.
+void Executor::settle_history(PhysicalHistory& history, uint32_t side, bool clear, const PlannedCell* expected,
+                              VkCommandBuffer commands) {
+  const gpu::Image& image = history.sides[side].image;
+  if (!image.handle) {
+    if (!clear) return;
+    emit(commands, all_stages, any_write, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    vkCmdFillBuffer(commands, history.sides[side].buffer.handle, 0, VK_WHOLE_SIZE, 0);
+    emit(commands, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, all_stages, any_access);
+    return;
+  }
+  for (uint32_t c = 0; c < history.layouts[side].size(); ++c) {
+    if (expected[c].before == VK_IMAGE_LAYOUT_UNDEFINED) continue;  // not read
+    const Part part{uint8_t(c % history.desc.mips), 1, uint8_t(c / history.desc.mips), 1};
+    VkImageMemoryBarrier2 barrier = image_barrier(image, part);
+    barrier.srcStageMask = barrier.dstStageMask = all_stages;
+    barrier.srcAccessMask = any_write;
+    barrier.dstAccessMask = any_access;
+    barrier.oldLayout = history.layouts[side][c];
+    if (clear || barrier.oldLayout == VK_IMAGE_LAYOUT_UNDEFINED) {
+      barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+      barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+      emit(commands, {&barrier, 1}, {});
+      const VkClearColorValue black{};
+      const VkClearDepthStencilValue far_away{};
+      if (barrier.subresourceRange.aspectMask == VK_IMAGE_ASPECT_DEPTH_BIT)
+        vkCmdClearDepthStencilImage(commands, image.handle, barrier.newLayout, &far_away, 1, &barrier.subresourceRange);
+      else
+        vkCmdClearColorImage(commands, image.handle, barrier.newLayout, &black, 1, &barrier.subresourceRange);
+      barrier.oldLayout = barrier.newLayout;
+    }
+    barrier.newLayout = expected[c].before;
+    emit(commands, {&barrier, 1}, {});
+  }
+}
+
+void Executor::record_barriers(const Graph& graph, const PlannedPass& planned, VkCommandBuffer commands, int dropped) {
+  std::vector<VkImageMemoryBarrier2> images;
+  std::vector<VkBufferMemoryBarrier2> buffers;
   for (uint32_t i = planned.first_barrier; i < planned.first_barrier + planned.barrier_count; ++i) {
-    if (options.drop_barrier == int(i)) continue;
-    const Barrier& b = plan_.barriers[i];
-    VkImageMemoryBarrier2 barrier = whole_image(image(b.resource));
+    if (dropped == int(i)) continue;
+    const Barrier& b = plans_[current_].plan.barriers[i];
+    if (graph.resources[b.resource].is_buffer) {
+      buffers.push_back({.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
+                         .srcStageMask = b.src_stages,
+                         .srcAccessMask = b.src_access,
+                         .dstStageMask = b.dst_stages,
+                         .dstAccessMask = b.dst_access,
+                         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                         .buffer = buffer(graph, b.resource),
+                         .size = VK_WHOLE_SIZE});
+      continue;
+    }
+    VkImageMemoryBarrier2& barrier = images.emplace_back(image_barrier(physical(graph, b.resource).image, b.part));
     barrier.srcStageMask = b.src_stages;
     barrier.srcAccessMask = b.src_access;
     barrier.dstStageMask = b.dst_stages;
     barrier.dstAccessMask = b.dst_access;
     barrier.oldLayout = b.old_layout;
     barrier.newLayout = b.new_layout;
-    barriers.push_back(barrier);
   }
-  if (!barriers.empty()) emit(commands, barriers);
+  if (options.merge_barriers) {
+    if (!images.empty() || !buffers.empty()) emit(commands, images, buffers);
+    return;
+  }
+  for (const VkImageMemoryBarrier2& barrier : images) emit(commands, {&barrier, 1}, {});
+  for (const VkBufferMemoryBarrier2& barrier : buffers) emit(commands, {}, {&barrier, 1});
 }
 
 gpu::Pipelines::Bound Executor::bind_pipeline(const Graph& graph, const PassRow& pass) {
@@ -134,16 +186,18 @@ void Executor::push_descriptors(const Graph& graph, const PassRow& pass, const g
     const UseRow& use = graph.uses[i];
     if (!use.slot || use.use == Use::ColorAttachment) continue;
     const gpu::Slot& slot = *pass.pipeline.interface->find(use.slot);
-    if (use.is_buffer) {
-      const gpu::Buffer& buffer = *graph.buffers[use.resource].buffer;
+    if (graph.resources[use.resource].is_buffer) {
       write(slot, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, nullptr,
-            &buffers.emplace_back(VkDescriptorBufferInfo{buffer.handle, 0, VK_WHOLE_SIZE}));
+            &buffers.emplace_back(VkDescriptorBufferInfo{buffer(graph, use.resource), 0, VK_WHOLE_SIZE}));
     } else {
-      const Access access = access_of(use.use, pass.kind);
+      const Access access = access_of(use.use, pass.kind, plans_[current_].plan.layouts);
       const bool sampled = use.use == Use::SampledImage;
+      const VkImageViewType type = slot.shape == gpu::SlotShape::Cube    ? VK_IMAGE_VIEW_TYPE_CUBE
+                                   : slot.shape == gpu::SlotShape::Array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
+                                                                         : VK_IMAGE_VIEW_TYPE_2D;
+      const VkImageView seen = view(physical(graph, use.resource), use.part, type);
       write(slot, sampled ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-            &images.emplace_back(VkDescriptorImageInfo{VK_NULL_HANDLE, image(use.resource).view, access.layout}),
-            nullptr);
+            &images.emplace_back(VkDescriptorImageInfo{VK_NULL_HANDLE, seen, access.layout}), nullptr);
     }
   }
   const auto write_block = [&](const ParamRow& row, const gpu::UniformRange& range) {
@@ -166,6 +220,7 @@ void Executor::push_descriptors(const Graph& graph, const PassRow& pass, const g
 }
 
 void Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkCommandBuffer commands) {
+  const Plan& plan = plans_[current_].plan;
   const auto& names = pass.pipeline.interface->color_outputs;
   std::vector<VkRenderingAttachmentInfo> colors(names.size(), {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO});
   VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
@@ -178,16 +233,16 @@ void Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkComman
     VkRenderingAttachmentInfo& attachment =
         is_depth ? depth : colors[size_t(std::find(names.begin(), names.end(), use.slot) - names.begin())];
     has_depth |= is_depth;
-    const gpu::Image& target = image(use.resource);
-    attachment.imageView = target.view;
-    attachment.imageLayout = access_of(use.use, pass.kind).layout;
-    attachment.loadOp = plan_.uses[i].load;
-    attachment.storeOp = plan_.uses[i].store;
+    attachment.imageView = view(physical(graph, use.resource), use.part, VK_IMAGE_VIEW_TYPE_2D);
+    attachment.imageLayout = access_of(use.use, pass.kind, plan.layouts).layout;
+    attachment.loadOp = plan.uses[i].load;
+    attachment.storeOp = plan.uses[i].store;
     if (is_depth)
       attachment.clearValue.depthStencil = {use.clear.color[0], 0};
     else
       std::copy_n(use.clear.color, 4, attachment.clearValue.color.float32);
-    extent = target.info.extent;
+    const Size size = size_of(graph.resources[use.resource].desc, use.part.mip);
+    extent = {size.width, size.height};
   }
   VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                             .renderArea = {{0, 0}, extent},
@@ -202,40 +257,72 @@ void Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkComman
   vkCmdSetScissor(commands, 0, 1, &scissor);
 }
 
-void Executor::record_pass(const Graph& graph, const PlannedPass& planned, gpu::Frame& frame,
-                           const ExecuteOptions& options, std::span<const gpu::UniformRange> uniforms) {
+void Executor::record_copy(const Graph& graph, const PassRow& pass, VkCommandBuffer commands) {
+  const UseRow &from = graph.uses[pass.first_use], &to = graph.uses[pass.first_use + 1];
+  if (graph.resources[to.resource].is_buffer) {
+    const VkBufferCopy region{.size = graph.resources[to.resource].bytes};
+    vkCmdCopyBuffer(commands, buffer(graph, from.resource), buffer(graph, to.resource), 1, &region);
+    return;
+  }
+  const LayoutPolicy layouts = plans_[current_].plan.layouts;
+  const gpu::Image &source = physical(graph, from.resource).image, &target = physical(graph, to.resource).image;
+  const VkImageAspectFlags aspect = gpu::aspect_of(source.info.format);
+  for (uint32_t i = 0; i < from.part.mips; ++i) {
+    const Size size = size_of(graph.resources[from.resource].desc, from.part.mip + i);
+    const VkImageCopy region{.srcSubresource = {aspect, from.part.mip + i, from.part.layer, from.part.layers},
+                             .dstSubresource = {aspect, to.part.mip + i, to.part.layer, to.part.layers},
+                             .extent = {size.width, size.height, 1}};
+    vkCmdCopyImage(commands, source.handle, access_of(from.use, pass.kind, layouts).layout, target.handle,
+                   access_of(to.use, pass.kind, layouts).layout, 1, &region);
+  }
+}
+
+void Executor::record_readback(const Graph& graph, uint32_t pass, VkCommandBuffer commands) {
+  const UseRow& use = graph.uses[graph.passes[pass].first_use];
+  size_t number = 0;
+  for (uint32_t i = 0; i < pass; ++i) number += graph.passes[i].kind == PassKind::Readback;
+  const RealPlan& real = plans_[current_];
+  const VkBuffer host = real.readbacks[number].buffer.handle;
+  if (graph.resources[use.resource].is_buffer) {
+    const VkBufferCopy region{.size = graph.resources[use.resource].bytes};
+    vkCmdCopyBuffer(commands, buffer(graph, use.resource), host, 1, &region);
+  } else {
+    const gpu::Image& source = physical(graph, use.resource).image;
+    const Size size = size_of(graph.resources[use.resource].desc, use.part.mip);
+    const VkBufferImageCopy region{
+        .imageSubresource = {gpu::aspect_of(source.info.format), use.part.mip, use.part.layer, 1},
+        .imageExtent = {size.width, size.height, 1}};
+    vkCmdCopyImageToBuffer(commands, source.handle, access_of(use.use, PassKind::Readback, real.plan.layouts).layout,
+                           host, 1, &region);
+  }
+  emit(commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+       VK_PIPELINE_STAGE_2_HOST_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
+       VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+}
+
+void Executor::record_pass(const Graph& graph, uint32_t position, gpu::Frame& frame, const ExecuteOptions& execute,
+                           std::span<const gpu::UniformRange> uniforms) {
+  const PlannedPass& planned = plans_[current_].plan.passes[position];
   const PassRow& pass = graph.passes[planned.pass];
   const VkCommandBuffer commands = frame.commands;
+  if (options.poison != Poison::Off) poison(commands, position);
   VkDebugUtilsLabelEXT label{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, .pLabelName = pass.name};
   device_.begin_label(commands, &label);
-  gpu::write_timestamp(device_, frame, options.timing);
-  record_barriers(planned, commands, options);
+  gpu::write_timestamp(device_, frame, execute.timing);
+  record_barriers(graph, planned, commands, execute.drop_barrier);
 
   if (pass.kind == PassKind::Readback) {
-    const UseRow& use = graph.uses[pass.first_use];
-    size_t number = 0;
-    for (uint32_t i = 0; i < planned.pass; ++i) number += graph.passes[i].kind == PassKind::Readback;
-    const gpu::Image& source = image(use.resource);
-    const VkBufferImageCopy region{.imageSubresource = {gpu::aspect_of(source.info.format), 0, 0, 1},
-                                   .imageExtent = {source.info.extent.width, source.info.extent.height, 1}};
-    vkCmdCopyImageToBuffer(commands, source.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                           readback_buffers_[number].handle, 1, &region);
-    VkMemoryBarrier2 to_host{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                             .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-                             .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                             .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
-                             .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
-    emit(commands, {}, &to_host);
+    record_readback(graph, planned.pass, commands);
+  } else if (pass.kind == PassKind::Copy) {
+    record_copy(graph, pass, commands);
   } else {
     const gpu::Pipelines::Bound bound = bind_pipeline(graph, pass);
     if (pass.kind != PassKind::Compute) begin_rendering(graph, pass, commands);
     vkCmdBindPipeline(commands, bound.point, bound.pipeline);
     push_descriptors(graph, pass, bound, commands, uniforms);
-    const Recorder recorder{commands, bound.layout};
+    const Recorder recorder{commands, bound.layout, this};
     if (pass.kind == PassKind::Compute) {
-      const Size size = graph.resources[pass.over].desc.size;
-      const uint32_t* local = pass.pipeline.interface->local_size;
-      vkCmdDispatch(commands, (size.width + local[0] - 1) / local[0], (size.height + local[1] - 1) / local[1], 1);
+      dispatch(graph, pass, commands);
     } else {
       if (pass.kind == PassKind::Fullscreen) {
         recorder.set_cull(VK_CULL_MODE_NONE, VK_FRONT_FACE_COUNTER_CLOCKWISE);
@@ -246,10 +333,27 @@ void Executor::record_pass(const Graph& graph, const PlannedPass& planned, gpu::
       vkCmdEndRendering(commands);
     }
   }
-  gpu::write_timestamp(device_, frame, options.timing);
+  gpu::write_timestamp(device_, frame, execute.timing);
   device_.end_label(commands);
 }
 
+void Executor::dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer commands) {
+  if (!pass.has_over) {
+    for (const UseRow& use : graph.uses_of(pass))
+      if (use.use == Use::IndirectArguments)
+        vkCmdDispatchIndirect(commands, buffer(graph, use.resource), pass.argument_offset);
+    return;
+  }
+  const Size size = size_of(graph.resources[pass.over].desc, pass.over_part.mip);
+  const uint32_t* local = pass.pipeline.interface->local_size;
+  vkCmdDispatch(commands, (size.width + local[0] - 1) / local[0], (size.height + local[1] - 1) / local[1],
+                (pass.over_part.layers + local[2] - 1) / local[2]);
+}
+
+VkBuffer Recorder::buffer(Buf of) const {
+  NF_CHECK(executor->graph_ && of.valid(), "a draw callback asks for buffer {}", of.id);
+  return executor->buffer(*executor->graph_, of.id);
+}
 void Recorder::bind_vertex_streams(std::span<const VkBuffer> buffers) const {
   const VkDeviceSize offsets[8] = {};
   vkCmdBindVertexBuffers(commands, 0, uint32_t(buffers.size()), buffers.data(), offsets);

@@ -1,21 +1,32 @@
-// Runs graphs: makes a plan real (images, views), records and submits it, keeps histories between frames, and hands out
-// timings and read-backs of finished frames.
+// Runs graphs: makes plans real (images, buffers, heaps) and keeps a few of them, records and submits, keeps histories
+// between frames, and hands out timings and read-backs of finished frames.
 #pragma once
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 
 #include "gpu/frame_ring.h"
 #include "graph/plan.h"
 
 namespace nf::graph {
 
+// Fills transient memory with 0xFF (NaN, 1.0): what does not write all of what it first writes then shows.
+enum class Poison : uint8_t {
+  Off,
+  Frame,     // all of it before each frame
+  Handover,  // each resource's bytes before its first use in a frame
+};
+
+struct ExecutorOptions {
+  bool alias = true;  // false: every transient has bytes of its own
+  LayoutPolicy layouts = LayoutPolicy::Exact;
+  uint64_t order_seed = 0;     // see CompileOptions
+  bool merge_barriers = true;  // false: a vkCmdPipelineBarrier2 for each barrier, to see them one by one in a capture
+  Poison poison = Poison::Off;
+};
+
 struct ExecuteOptions {
   gpu::Timing timing = gpu::Timing::Serialize;
-  // Fills the transients' memory with 0xFF (NaN, 1.0) before the frame: a pass that does not write all of what it first
-  // writes then shows.
-  bool poison = false;
   // Test hook: this barrier of the plan (by row) is left out, so that a test can see that validation notices.
   int drop_barrier = -1;
 };
@@ -32,55 +43,116 @@ struct FrameResult {
   double frame_ms = 0;  // from the first pass's begin to the last one's end; 0 without timestamps
 };
 
-// Texels as they are in the image, rows tightly packed.
+// Texels of one mip of one layer as they are in the image, rows tightly packed; or a buffer's bytes.
 struct Readback {
   const char* name;
-  ImageDesc desc;
+  ImageDesc desc;  // of buffers: without format
   std::vector<std::byte> texels;
 };
 
 class Executor {
  public:
-  // `alias` false: every transient has bytes of its own.
-  Executor(gpu::Device& device, gpu::Pipelines& pipelines, bool alias = true);
+  Executor(gpu::Device& device, gpu::Pipelines& pipelines, const ExecutorOptions& options = {});
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
 
-  // How this executor compiles: with its device's sizes.
+  ExecutorOptions options;  // may change between frames
+
+  // How this executor compiles: with its options and its device's sizes.
   Plan plan_for(const Graph& graph) const;
   // For Graph's constructor.
   std::span<const HistoryState> histories() const { return history_states_; }
   // Forget what was written: the next graph gets invalid histories.
-  void invalidate_histories();
+  void invalidate_histories() { history_states_.clear(); }
 
-  // Plans (or takes the kept plan), records, submits. Throws nf::Error (Exit::Internal) with all diagnostics of a wrong
-  // graph.
+  // Plans (or takes a kept plan), records, submits. Throws nf::Error (Exit::Internal) with all diagnostics of a wrong
+  // graph; the plans kept so far stay good. On a device with validation, and in debug builds, each new plan is replayed
+  // by find_hazards() first.
   void run(const Graph& graph, const ExecuteOptions& options = {});
   // Waits for the last run; its times and read-backs.
   FrameResult finish();
   std::vector<Readback> take_readbacks();
 
-  const Plan& plan() const { return plan_; }
+  // Of the last run.
+  const Plan& plan() const { return plans_.at(current_).plan; }
   uint64_t replans() const { return replans_; }
+  size_t kept_plans() const { return plans_.size(); }
 
  private:
-  struct PhysicalHistory {
-    const char* name;
-    ImageDesc desc;
-    VkImageUsageFlags usage;
-    gpu::Image images[2];
-    VkImageLayout layouts[2];
-    bool used = false;
+  friend struct Recorder;
+  struct View {
+    Part part;
+    VkImageViewType type;
+    VkImageView view;
   };
-  void replan(const Graph& graph, uint64_t hash);
-  void release();
+  // An image or a buffer.
+  struct Physical {
+    gpu::Image image;
+    gpu::Buffer buffer;
+    std::vector<View> views;  // made when first needed
+  };
+  struct PhysicalHistory {
+    std::string name;
+    ImageDesc desc;
+    uint64_t bytes;
+    Physical sides[2];
+    std::vector<VkImageLayout> layouts[2];  // by cell
+    uint64_t written = 0;                   // number of the last run that wrote next
+  };
+  struct ReadbackRow {
+    ImageDesc desc;
+    gpu::Buffer buffer;
+  };
+  // A plan and what it runs on.
+  struct RealPlan {
+    uint64_t hash = 0, last_run = 0;
+    Plan plan;
+    std::vector<Physical> resources;          // by row; only transients
+    std::vector<PhysicalHistory*> histories;  // by row of resources
+    std::vector<ReadbackRow> readbacks;       // in declared order
+    std::vector<size_t> heaps;                // by row of Plan::heaps: row of heaps_
+  };
+  // Shared by all plans: one of them runs at a time.
+  struct SharedHeap {
+    bool buffers;
+    gpu::Heap heap;
+    gpu::Buffer cover;  // to poison it, made when first needed
+  };
+  // Destroyed when the frame of this number is done.
+  struct Retired {
+    uint64_t frame;
+    VkImageView view = VK_NULL_HANDLE;
+    gpu::Image image;
+    gpu::Buffer buffer;
+    gpu::Heap heap;
+  };
+
+  // realize.cpp
+  void select_plan(const Graph& graph);
+  void realize(const Graph& graph, RealPlan& real);
+  size_t find_heap(const PlannedHeap& wanted);
+  PhysicalHistory* find_history(const ResourceRow& row);
+  void evict(size_t plan);
+  void retire(RealPlan& real);
+  void retire(Physical& physical);
+  void drop_unused_histories();
+  void collect(uint64_t finished);
+  Physical& physical(const Graph& graph, uint16_t resource);
+  VkBuffer buffer(const Graph& graph, uint16_t resource);
+  VkImageView view(Physical& physical, const Part& part, VkImageViewType type);
+
+  // execute.cpp
   void settle(const Graph& graph, VkCommandBuffer commands);
-  void poison(VkCommandBuffer commands);
-  const gpu::Image& image(uint16_t resource) const;
-  void record_pass(const Graph& graph, const PlannedPass& planned, gpu::Frame& frame, const ExecuteOptions& options,
+  void settle_history(PhysicalHistory& history, uint32_t side, bool clear, const PlannedCell* expected,
+                      VkCommandBuffer commands);
+  void poison(VkCommandBuffer commands, uint32_t position);
+  void record_pass(const Graph& graph, uint32_t position, gpu::Frame& frame, const ExecuteOptions& options,
                    std::span<const gpu::UniformRange> uniforms);
-  void record_barriers(const PlannedPass& planned, VkCommandBuffer commands, const ExecuteOptions& options);
+  void record_barriers(const Graph& graph, const PlannedPass& planned, VkCommandBuffer commands, int dropped);
+  void dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
+  void record_copy(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
+  void record_readback(const Graph& graph, uint32_t pass, VkCommandBuffer commands);
   void push_descriptors(const Graph& graph, const PassRow& pass, const gpu::Pipelines::Bound& bound,
                         VkCommandBuffer commands, std::span<const gpu::UniformRange> uniforms);
   void begin_rendering(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
@@ -89,23 +161,19 @@ class Executor {
   gpu::Device& device_;
   gpu::Pipelines& pipelines_;
   gpu::FrameRing ring_;
-  Plan plan_;
-  uint64_t hash_ = 0;
-  uint64_t replans_ = 0;
-  bool fresh_ = false;  // the plan has not run yet
-  bool alias_;
-  std::vector<gpu::Heap> heaps_;          // by row of Plan::heaps
-  std::vector<gpu::Buffer> poison_;       // over the heaps, made when first needed
-  std::vector<gpu::Image> images_;        // by resource; empty for histories
-  std::vector<int> history_of_;           // by resource: row of histories_, or -1
-  std::vector<uint8_t> history_is_next_;  // by resource
-  std::vector<PhysicalHistory> histories_;
+  std::vector<RealPlan> plans_;
+  size_t current_ = 0;
+  bool switched_ = false;  // this run's plan is not the last run's
+  uint64_t replans_ = 0, runs_ = 0;
+  std::vector<SharedHeap> heaps_;
+  std::vector<std::unique_ptr<PhysicalHistory>> histories_;  // pointed to
   std::vector<HistoryState> history_states_;
-  uint32_t parity_ = 0;  // which physical image is `next` this frame
-  std::vector<gpu::Buffer> readback_buffers_;
-  std::vector<std::pair<const char*, ImageDesc>> readback_rows_;
+  uint32_t parity_ = 0;  // which side of a history is `next` in this run
+  std::vector<Retired> retired_;
+  const Graph* graph_ = nullptr;  // during run(), for Recorder
   gpu::Frame* last_ = nullptr;
   std::vector<std::pair<const char*, const char*>> last_passes_;
+  std::vector<const char*> last_readbacks_;
 };
 
 // Writes the read-back of a texel format into floats, `channels` a texel. Packed formats of ours (normal, radiance) are

@@ -6,11 +6,13 @@
 //       .in("depth", gbuffer.depth).in("normal", gbuffer.normal).out("visibility",
 //       visibility).params(settings).over(visibility);
 //
+// Mips and layers are used one by one with mip() and layer(): graph.compute(...).in("above", mip(pyramid, 0)) ...
 // Names are string literals (or live as long as the graph): they are kept as pointers.
 #pragma once
 
 #include <cstring>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -21,10 +23,44 @@
 
 namespace nf::graph {
 
-struct TexTag;
-struct BufTag;
-using Tex = Handle<TexTag>;
-using Buf = Handle<BufTag>;
+// A resource of one graph, by row. `graph` tells handles of another graph apart: a frame builds a new one.
+template <class Tag>
+struct ResourceHandle {
+  uint16_t id = 0xffff, graph = 0;
+  constexpr bool valid() const { return id != 0xffff; }
+  constexpr explicit operator bool() const { return valid(); }
+  constexpr bool operator==(const ResourceHandle&) const = default;
+};
+using Tex = ResourceHandle<struct TexTag>;
+using Buf = ResourceHandle<struct BufTag>;
+
+// Mips [mip, mip + mips) of layers [layer, layer + layers); `all` is whatever there is from there on.
+struct Part {
+  static constexpr uint8_t all = 0xff;
+  uint8_t mip = 0, mips = all, layer = 0, layers = all;
+  constexpr bool operator==(const Part&) const = default;
+};
+constexpr bool overlap(const Part& a, const Part& b) {
+  return a.mip < b.mip + b.mips && b.mip < a.mip + a.mips && a.layer < b.layer + b.layers &&
+         b.layer < a.layer + a.layers;
+}
+
+// What a pass uses of an image: all of it, or a part.
+struct TexPart {
+  Tex tex;
+  Part part;
+  constexpr TexPart(Tex whole) : tex(whole) {}
+  constexpr TexPart(Tex of, Part which) : tex(of), part(which) {}
+};
+constexpr TexPart mip(TexPart of, uint8_t mip) {
+  return {of.tex, {mip, 1, of.part.layer, of.part.layers}};
+}
+constexpr TexPart mips(TexPart of, uint8_t first, uint8_t count) {
+  return {of.tex, {first, count, of.part.layer, of.part.layers}};
+}
+constexpr TexPart layer(TexPart of, uint8_t layer) {
+  return {of.tex, {of.part.mip, of.part.mips, layer, 1}};
+}
 
 // Where a call was written. std::source_location is missing from Clang 14 with Debian 12's standard library.
 struct Location {
@@ -48,16 +84,21 @@ struct ImageDesc {
 };
 
 // prev is what the last frame wrote to next. valid is false when there is no such frame: prev then reads as zeros.
+// A shader that reads prev through the slot "x" has a parameter "x_valid": the graph fills it in.
 struct History {
   Tex prev, next;
+  bool valid = false;
+};
+struct BufferHistory {
+  Buf prev, next;
   bool valid = false;
 };
 
 // What the executor remembers between frames: which histories were written by the last frame.
 struct HistoryState {
-  const char* name;
-  ImageDesc desc;
-  bool written;
+  std::string name;
+  ImageDesc desc;  // images
+  uint64_t bytes;  // buffers; 0 for images
 };
 
 struct Clear {
@@ -65,30 +106,33 @@ struct Clear {
   float color[4] = {0, 0, 0, 0};
 };
 
-enum class Lifetime : uint8_t { Transient, HistoryPrev, HistoryNext };
-
-struct ResourceRow {
-  const char* name;
-  ImageDesc desc;
-  Lifetime lifetime;
-  uint16_t pair;  // HistoryPrev <-> HistoryNext
-  Location at;
-};
-
-// A buffer that lives outside the frame and is only read in it (scene tables).
-struct BufferRow {
-  const char* name;
-  const gpu::Buffer* buffer;
-  Location at;
-};
+// Imported: a buffer that lives outside the frame and is only read in it (scene tables).
+enum class Lifetime : uint8_t { Transient, HistoryPrev, HistoryNext, Imported };
 
 inline constexpr uint16_t no_resource = 0xffff;
 
+struct ResourceRow {
+  const char* name;
+  bool is_buffer = false;
+  Lifetime lifetime = Lifetime::Transient;
+  bool optional = false;  // may stay unread
+  bool valid = false;     // HistoryPrev: the last frame wrote it
+  ImageDesc desc;         // images
+  uint64_t bytes = 0;     // buffers
+  const gpu::Buffer* imported = nullptr;
+  uint16_t pair = no_resource;  // HistoryPrev <-> HistoryNext
+  Location at;
+};
+// Mips x layers of an image, 1 of a buffer: what has a state of its own. Cell = layer * mips + mip.
+inline uint32_t cell_count(const ResourceRow& row) {
+  return row.is_buffer ? 1 : uint32_t(row.desc.mips) * row.desc.layers;
+}
+
 struct UseRow {
-  const char* slot;   // the shader's name for it; nullptr for depth attachments and read-backs
-  uint16_t resource;  // row of resources, or of buffers when `is_buffer`
+  const char* slot;   // the shader's name for it; nullptr for depth, indices, arguments and copies
+  uint16_t resource;  // no_resource: the handle was not of this graph
   Use use;
-  bool is_buffer;
+  Part part;  // counts are true ones; a buffer's is 0, 1, 0, 1
   Clear clear;
   Location at;
 };
@@ -99,10 +143,15 @@ struct ParamRow {
   Location at;
 };
 
+class Executor;
+
 // Records draws of a raster pass. Has no barriers: those are the graph's.
 struct Recorder {
   VkCommandBuffer commands;
   VkPipelineLayout layout;
+  Executor* executor;
+  // A buffer of the graph that the pass has declared: indices, indirect arguments.
+  VkBuffer buffer(Buf buffer) const;
   void bind_vertex_streams(std::span<const VkBuffer> buffers) const;
   void bind_indices(VkBuffer buffer) const;  // 32-bit
   void bind_set1(VkDescriptorSet set) const;
@@ -131,7 +180,11 @@ struct PassRow {
   gpu::Pipeline pipeline;
   uint32_t first_use = 0, use_count = 0;
   uint32_t first_param = 0, param_count = 0;
-  uint16_t over = no_resource;  // compute: the image whose texels are the threads
+  uint16_t over =
+      no_resource;  // compute: the image whose texels (of over_part's first mip, layers in z) are the threads
+  Part over_part;
+  bool has_over = false;
+  uint64_t argument_offset = 0;  // compute with indirect(): bytes
   DrawCallback draw;
   Location at;
 };
@@ -142,39 +195,54 @@ class Graph;
 class PassBuilder {
  public:
   PassBuilder(Graph& graph, uint32_t pass) : graph_(graph), pass_(pass) {}
-  PassBuilder& in(const char* slot, Tex tex, Location at = Location::current());
+  PassBuilder& in(const char* slot, TexPart tex, Location at = Location::current());
   PassBuilder& in(const char* slot, Buf buffer, Location at = Location::current());
-  // Compute: a storage image. Full-screen and raster: the fragment output of this name.
-  PassBuilder& out(const char* slot, Tex tex, Location at = Location::current());
-  PassBuilder& out(const char* slot, Tex tex, std::array<float, 4> clear, Location at = Location::current());
-  PassBuilder& inout(const char* slot, Tex tex, Location at = Location::current());
-  PassBuilder& depth(Tex tex, Location at = Location::current());
-  PassBuilder& depth(Tex tex, float clear, Location at = Location::current());
+  // Compute: a storage image, all of which the pass writes. Full-screen and raster: the fragment output of this name.
+  PassBuilder& out(const char* slot, TexPart tex, Location at = Location::current());
+  PassBuilder& out(const char* slot, TexPart tex, std::array<float, 4> clear, Location at = Location::current());
+  PassBuilder& out(const char* slot, Buf buffer, Location at = Location::current());
+  PassBuilder& inout(const char* slot, TexPart tex, Location at = Location::current());
+  PassBuilder& inout(const char* slot, Buf buffer, Location at = Location::current());
+  PassBuilder& depth(TexPart tex, Location at = Location::current());
+  PassBuilder& depth(TexPart tex, float clear, Location at = Location::current());
+  // Compute: the number of workgroups, VkDispatchIndirectCommand at `offset` bytes. Raster: the arguments of the
+  // callback's draws.
+  PassBuilder& indirect(Buf buffer, uint64_t offset = 0, Location at = Location::current());
+  // Raster: the callback's index buffer.
+  PassBuilder& indices(Buf buffer, Location at = Location::current());
   template <class P>
   PassBuilder& params(const P& block, Location at = Location::current()) {
     return params_raw(P::table(), &block, at);
   }
   PassBuilder& params_raw(const ParamTable& table, const void* data, Location at = Location::current());
-  PassBuilder& over(Tex tex);
+  PassBuilder& over(TexPart tex);
   template <class F>
   PassBuilder& draw(const F& callback) {
     return set_draw(DrawCallback(callback));
   }
 
  private:
+  friend class Graph;
   PassBuilder& set_draw(const DrawCallback& callback);
-  PassBuilder& add(UseRow use);
+  PassBuilder& add(const char* slot, TexPart tex, Use use, const Clear& clear, Location at);
+  PassBuilder& add(const char* slot, Buf buffer, Use use, Location at);
+  PassBuilder& add(const UseRow& use);
+  void tell_validity();
   Graph& graph_;
   uint32_t pass_;
 };
 
 class Graph {
  public:
-  explicit Graph(std::span<const HistoryState> histories = {}) : histories_(histories) {}
+  explicit Graph(std::span<const HistoryState> histories = {});
 
   Tex image(const char* name, const ImageDesc& desc, Location at = Location::current());
+  Buf buffer(const char* name, uint64_t bytes, Location at = Location::current());
   History history(const char* name, const ImageDesc& desc, Location at = Location::current());
+  BufferHistory buffer_history(const char* name, uint64_t bytes, Location at = Location::current());
   Buf import(const char* name, const gpu::Buffer& buffer, Location at = Location::current());
+  // `tex` is a by-product: it is no fault when nothing reads it.
+  Tex optional(Tex tex);
 
   PassBuilder compute(const char* name, gpu::Pipeline pipeline, const char* description = "",
                       Location at = Location::current());
@@ -183,8 +251,14 @@ class Graph {
   PassBuilder raster(const char* name, gpu::Pipeline pipeline, const char* description = "",
                      Location at = Location::current());
 
-  // Keeps `tex` alive to the frame's end and copies it to the host. The returned number is the read-back's.
-  uint32_t readback(const char* name, Tex tex, Location at = Location::current());
+  // Copies all mips and layers of equal size and format, or as many bytes as `to` has.
+  void copy(const char* name, TexPart from, TexPart to, Location at = Location::current());
+  void copy(const char* name, Buf from, Buf to, Location at = Location::current());
+
+  // Copies the first mip and layer of `tex`, or a buffer, to the host; whatever it needs runs. Returns the read-back's
+  // number.
+  uint32_t readback(const char* name, TexPart tex, Location at = Location::current());
+  uint32_t readback(const char* name, Buf buffer, Location at = Location::current());
 
   // A block that every shader gets that declares it (the frame's cameras).
   template <class P>
@@ -193,23 +267,41 @@ class Graph {
   }
   void share_raw(const ParamTable& table, const void* data, Location at);
 
-  const ImageDesc& desc(Tex tex) const { return resources[tex.id].desc; }
+  // Histories declared from here on are not valid: another technique's past means nothing.
+  void forget_histories() { histories_ = {}; }
+
+  Tex tex(uint16_t row) const { return {row, serial_}; }
+  // Of a handle that is not of this graph: a texel without format. validate() reports its use.
+  const ImageDesc& desc(Tex tex) const;
 
   // The value itself: plain rows, read by compile, dump, the editor.
   std::vector<ResourceRow> resources;
-  std::vector<BufferRow> buffers;
   std::vector<PassRow> passes;
   std::vector<UseRow> uses;
   std::vector<ParamRow> params, shared;
   std::vector<std::byte> param_bytes;
   uint32_t readbacks = 0;
 
+  std::span<const UseRow> uses_of(const PassRow& pass) const {
+    return std::span(uses).subspan(pass.first_use, pass.use_count);
+  }
+
  private:
   friend class PassBuilder;
   PassBuilder add_pass(const char* name, PassKind kind, gpu::Pipeline pipeline, const char* description, Location at);
+  uint16_t add_resource(ResourceRow row);
+  void pair_histories(uint16_t prev, uint16_t next);
   uint32_t add_param_bytes(const ParamTable& table, const void* data);
+  template <class Tag>
+  uint16_t row_of(ResourceHandle<Tag> handle, bool is_buffer) const;
   std::span<const HistoryState> histories_;
+  uint16_t serial_;
 };
+
+// The parameter of `table` that tells a shader whether the history read through `slot` is valid; nullptr: none does.
+const Param* find_valid_param(const ParamTable& table, std::string_view slot);
+// Texels of a mip.
+Size size_of(const ImageDesc& desc, uint32_t mip);
 
 // Hash of everything but parameter values and draw callbacks: equal hash = the same plan fits.
 uint64_t topology_hash(const Graph& graph);

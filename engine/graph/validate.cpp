@@ -1,8 +1,9 @@
 // Everything that can be wrong with a graph, found before anything runs. Nothing here stops at the first fault.
 #include <algorithm>
+#include <map>
 #include <set>
 
-#include "graph/plan.h"
+#include "graph/phases.h"
 
 namespace nf::graph {
 namespace {
@@ -26,36 +27,45 @@ class Validator {
   explicit Validator(const Graph& graph) : graph_(graph) {}
 
   std::vector<Diagnostic> run() {
-    std::vector<bool> written(graph_.resources.size(), false);
-    for (size_t r = 0; r < written.size(); ++r) written[r] = graph_.resources[r].lifetime == Lifetime::HistoryPrev;
+    for (const ResourceRow& row : graph_.resources)
+      written_.emplace_back(cell_count(row),
+                            row.lifetime == Lifetime::HistoryPrev || row.lifetime == Lifetime::Imported);
     for (const PassRow& pass : graph_.passes) {
       pass_ = &pass;
-      if (!check_handles()) continue;
-      if (pass.kind != PassKind::Readback) check_slots();
+      if (!check_handles() || !check_parts()) continue;
+      if (has_shader()) check_slots();
       check_sizes();
       check_conflicts();
-      check_written(written);
+      check_written();
     }
-    check_histories(written);
+    check_history_names();
+    check_histories();
+    check_read();
     return std::move(found_);
   }
 
  private:
-  std::span<const UseRow> uses() const { return std::span(graph_.uses).subspan(pass_->first_use, pass_->use_count); }
-  const char* resource_name(const UseRow& use) const {
-    return use.is_buffer ? graph_.buffers[use.resource].name : graph_.resources[use.resource].name;
-  }
-  Location declared(const UseRow& use) const {
-    return use.is_buffer ? graph_.buffers[use.resource].at : graph_.resources[use.resource].at;
-  }
+  std::span<const UseRow> uses() const { return graph_.uses_of(*pass_); }
+  bool has_shader() const { return pass_->kind != PassKind::Readback && pass_->kind != PassKind::Copy; }
+  const ResourceRow& resource(const UseRow& use) const { return graph_.resources[use.resource]; }
   const char* slot_name(const UseRow& use) const {
-    return use.slot ? use.slot : use.use == Use::DepthAttachment ? "(depth)" : "(copy)";
+    if (use.slot) return use.slot;
+    switch (use.use) {
+      case Use::DepthAttachment:
+        return "(depth)";
+      case Use::IndirectArguments:
+        return "(indirect)";
+      case Use::Indices:
+        return "(indices)";
+      default:
+        return "(copy)";
+    }
   }
 
   void report(Diagnostic::Kind kind, const UseRow& use, const std::string& what) {
     found_.push_back(
         {kind, fmt::format("{}: slot '{}', resource '{}': {} (used at {}, declared at {})", pass_->name, slot_name(use),
-                           resource_name(use), what, where(use.at), where(declared(use)))});
+                           resource(use).name, what, where(use.at), where(resource(use).at))});
   }
   void report(Diagnostic::Kind kind, const Location& at, const std::string& what) {
     found_.push_back(
@@ -65,13 +75,29 @@ class Validator {
   bool check_handles() {
     bool good = true;
     for (const UseRow& use : uses()) {
-      if (use.resource < (use.is_buffer ? graph_.buffers.size() : graph_.resources.size())) continue;
+      if (use.resource < graph_.resources.size()) continue;
       report(Diagnostic::Kind::StaleHandle, use.at,
              fmt::format("slot '{}' is fed with a handle that is not of this graph", slot_name(use)));
       good = false;
     }
-    if (pass_->over != no_resource && pass_->over >= graph_.resources.size()) {
+    if (pass_->has_over && pass_->over >= graph_.resources.size()) {
       report(Diagnostic::Kind::StaleHandle, pass_->at, "over() was given a handle that is not of this graph");
+      good = false;
+    }
+    return good;
+  }
+
+  bool check_parts() {
+    bool good = true;
+    for (const UseRow& use : uses()) {
+      const ResourceRow& row = resource(use);
+      if (row.is_buffer ||
+          (use.part.mip + use.part.mips <= row.desc.mips && use.part.layer + use.part.layers <= row.desc.layers))
+        continue;
+      report(Diagnostic::Kind::SizeMismatch, use,
+             fmt::format("has {} mips and {} layers, and mips {} to {} of layers {} to {} are used", row.desc.mips,
+                         row.desc.layers, use.part.mip, use.part.mip + use.part.mips - 1, use.part.layer,
+                         use.part.layer + use.part.layers - 1));
       good = false;
     }
     return good;
@@ -84,6 +110,10 @@ class Validator {
       if (!use.slot) {
         if (use.use == Use::DepthAttachment && pass_->kind != PassKind::Raster)
           report(Diagnostic::Kind::Direction, use, "only raster passes have a depth attachment");
+        if (use.use == Use::Indices && pass_->kind != PassKind::Raster)
+          report(Diagnostic::Kind::Direction, use, "only raster passes have indices");
+        if (use.use == Use::IndirectArguments && pass_->kind == PassKind::Fullscreen)
+          report(Diagnostic::Kind::Direction, use, "a full-screen pass has no indirect arguments");
         continue;
       }
       if (!fed.insert(use.slot).second)
@@ -92,6 +122,7 @@ class Validator {
         check_color(interface, use);
       else
         check_descriptor(interface, use);
+      check_validity(use);
     }
     for (uint32_t i = 0; i < pass_->param_count; ++i)
       check_block(interface, graph_.params[pass_->first_param + i], fed, true);
@@ -119,27 +150,54 @@ class Validator {
       return report(Diagnostic::Kind::SlotMissing, use,
                     fmt::format("the shader has no such slot; it has: {}", fmt::join(names, ", ")));
     }
-    const bool storage =
-        use.use == Use::StorageImageRead || use.use == Use::StorageImageWrite || use.use == Use::StorageImageReadWrite;
-    const gpu::SlotKind wanted = use.is_buffer ? gpu::SlotKind::StorageBuffer
+    const ResourceRow& row = resource(use);
+    const bool storage = use.use != Use::SampledImage;
+    const gpu::SlotKind wanted = row.is_buffer ? gpu::SlotKind::StorageBuffer
                                  : storage     ? gpu::SlotKind::StorageImage
                                                : gpu::SlotKind::SampledImage;
     if (slot->kind != wanted)
       return report(Diagnostic::Kind::Direction, use, "the shader declares another kind of descriptor under this name");
-    if (use.use == Use::StorageImageRead && slot->writeonly)
-      report(Diagnostic::Kind::Direction, use, "fed as an input, but the shader declares it writeonly");
-    if (use.use == Use::StorageImageWrite && !slot->writeonly)
+    if (storage && reads(use.use) && !writes(use.use)) {
+      if (slot->writeonly)
+        report(Diagnostic::Kind::Direction, use, "fed as an input, but the shader declares it writeonly");
+      else if (!slot->readonly)
+        report(Diagnostic::Kind::Direction, use, "fed as an input, but the shader does not declare it readonly");
+    }
+    if (writes(use.use) && !reads(use.use) && !slot->writeonly)
       report(Diagnostic::Kind::Direction, use,
              slot->readonly ? "fed as an output, but the shader declares it readonly"
                             : "fed as an output, but the shader also reads it: declare it writeonly or use inout");
-    if (use.use == Use::StorageImageReadWrite && (slot->readonly || slot->writeonly))
+    if (writes(use.use) && reads(use.use) && (slot->readonly || slot->writeonly))
       report(Diagnostic::Kind::Direction, use, "fed as inout, but the shader declares it readonly or writeonly");
-    if (use.is_buffer && !slot->readonly)
-      report(Diagnostic::Kind::Direction, use, "fed as an input, but the shader does not declare it readonly");
-    if (storage && slot->format != VK_FORMAT_UNDEFINED && slot->format != graph_.resources[use.resource].desc.format)
+    if (!row.is_buffer) check_shape(*slot, use);
+    if (!row.is_buffer && storage && slot->format != VK_FORMAT_UNDEFINED &&
+        slot->format != graph_.resources[use.resource].desc.format)
       report(Diagnostic::Kind::FormatMismatch, use,
              fmt::format("the shader says {}, the image is {}", gpu::format_name(slot->format),
                          gpu::format_name(graph_.resources[use.resource].desc.format)));
+  }
+
+  void check_shape(const gpu::Slot& slot, const UseRow& use) {
+    if (slot.shape == gpu::SlotShape::Flat && use.part.layers != 1)
+      report(Diagnostic::Kind::SizeMismatch, use,
+             fmt::format("the shader's slot takes one layer, and {} are used: name one with layer()", use.part.layers));
+    if (slot.shape == gpu::SlotShape::Cube && use.part.layers != 6)
+      report(Diagnostic::Kind::SizeMismatch, use,
+             fmt::format("the shader's slot is a cube of 6 layers, and {} are used", use.part.layers));
+    if (slot.kind == gpu::SlotKind::StorageImage && use.part.mips != 1)
+      report(Diagnostic::Kind::SizeMismatch, use,
+             fmt::format("a storage image is one mip, and {} are used: name one with mip()", use.part.mips));
+  }
+
+  // A shader that reads what a frame before has left must be told when there is none.
+  void check_validity(const UseRow& use) {
+    if (resource(use).lifetime != Lifetime::HistoryPrev) return;
+    for (uint32_t i = 0; i < pass_->param_count; ++i)
+      if (find_valid_param(*graph_.params[pass_->first_param + i].table, use.slot)) return;
+    report(Diagnostic::Kind::ValidityIgnored, use,
+           fmt::format("a history is read without its 'valid': a parameter block of the pass needs a Uint or Bool "
+                       "'{}_valid', which the graph fills in",
+                       use.slot));
   }
 
   void check_block(const gpu::ShaderInterface& interface, const ParamRow& row, std::set<std::string_view>& fed,
@@ -162,24 +220,63 @@ class Validator {
              fmt::format("the members of block '{}' stand in another order in the shader than in the table", name));
   }
 
+  Size size_of_use(const UseRow& use) const { return size_of(resource(use).desc, use.part.mip); }
+
   void check_sizes() {
     const UseRow* first = nullptr;
     for (const UseRow& use : uses()) {
-      if (use.use != Use::ColorAttachment && use.use != Use::DepthAttachment) continue;
+      if (!is_attachment(use.use)) continue;
+      if (use.part.mips != 1 || use.part.layers != 1)
+        report(Diagnostic::Kind::SizeMismatch, use,
+               "an attachment is one mip of one layer: name them with mip(), layer()");
       if (!first) first = &use;
-      const Size a = graph_.resources[first->resource].desc.size, b = graph_.resources[use.resource].desc.size;
+      const Size a = size_of_use(*first), b = size_of_use(use);
       if (a != b)
         report(Diagnostic::Kind::SizeMismatch, use,
-               fmt::format("is {}x{}, but '{}' is {}x{}", b.width, b.height, resource_name(*first), a.width, a.height));
+               fmt::format("is {}x{}, but '{}' is {}x{}", b.width, b.height, resource(*first).name, a.width, a.height));
     }
-    if (pass_->kind == PassKind::Compute && pass_->over == no_resource)
+    if (pass_->kind == PassKind::Copy) check_copy();
+    if (pass_->kind == PassKind::Compute) check_threads();
+  }
+
+  void check_copy() {
+    const UseRow &from = uses()[0], &to = uses()[1];
+    const ResourceRow &source = resource(from), &target = resource(to);
+    if (source.is_buffer) {
+      if (source.bytes < target.bytes)
+        report(Diagnostic::Kind::SizeMismatch, to,
+               fmt::format("takes {} bytes, and '{}' has {}", target.bytes, source.name, source.bytes));
+      return;
+    }
+    const Size a = size_of_use(from), b = size_of_use(to);
+    if (a != b || from.part.mips != to.part.mips || from.part.layers != to.part.layers)
+      report(
+          Diagnostic::Kind::SizeMismatch, to,
+          fmt::format("takes {}x{} with {} mips and {} layers, and '{}' has {}x{} with {} and {}", b.width, b.height,
+                      to.part.mips, to.part.layers, source.name, a.width, a.height, from.part.mips, from.part.layers));
+    if (source.desc.format != target.desc.format)
+      report(Diagnostic::Kind::FormatMismatch, to,
+             fmt::format("is {}, and '{}' is {}", gpu::format_name(target.desc.format), source.name,
+                         gpu::format_name(source.desc.format)));
+  }
+
+  void check_threads() {
+    const auto arguments = std::count_if(uses().begin(), uses().end(),
+                                         [](const UseRow& use) { return use.use == Use::IndirectArguments; });
+    if (!pass_->has_over && arguments != 1)
       report(Diagnostic::Kind::SizeMismatch, pass_->at,
-             "no over(): a compute pass must say which image its threads cover");
-    if (pass_->over == no_resource) return;
-    const Size threads = graph_.resources[pass_->over].desc.size;
+             "no over(): a compute pass must say which image its threads cover, or take their number with indirect()");
+    if (pass_->has_over && arguments)
+      report(Diagnostic::Kind::SizeMismatch, pass_->at, "has over() and indirect(): one of them says how many threads");
+    if (!pass_->has_over) return;
+    const ImageDesc& desc = graph_.resources[pass_->over].desc;
+    if (pass_->over_part.mip >= desc.mips || pass_->over_part.layer + pass_->over_part.layers > desc.layers)
+      return report(Diagnostic::Kind::SizeMismatch, pass_->at,
+                    "over() names a mip or layer that the image does not have");
+    const Size threads = size_of(desc, pass_->over_part.mip);
     for (const UseRow& use : uses()) {
       if (use.use != Use::StorageImageWrite) continue;
-      const Size size = graph_.resources[use.resource].desc.size;
+      const Size size = size_of_use(use);
       if (size != threads)
         report(Diagnostic::Kind::SizeMismatch, use,
                fmt::format("is {}x{}, but the threads cover {}x{}", size.width, size.height, threads.width,
@@ -191,43 +288,91 @@ class Validator {
     const auto all = uses();
     for (size_t i = 0; i < all.size(); ++i)
       for (size_t j = 0; j < i; ++j) {
-        if (all[i].is_buffer || all[j].is_buffer || all[i].resource != all[j].resource) continue;
+        if (all[i].resource != all[j].resource || !overlap(all[i].part, all[j].part)) continue;
         const Access a = access_of(all[i].use, pass_->kind), b = access_of(all[j].use, pass_->kind);
-        if (a.layout != b.layout || writes(all[i].use) || writes(all[j].use))
+        const bool layouts_differ = !resource(all[i]).is_buffer && a.layout != b.layout;
+        if (layouts_differ || writes(all[i].use) || writes(all[j].use))
           report(Diagnostic::Kind::UsedTwice, all[i],
                  fmt::format("is already used as {} by slot '{}' of the same pass", b.name, slot_name(all[j])));
       }
   }
 
-  void check_written(std::vector<bool>& written) {
-    for (const UseRow& use : uses())
-      if (!use.is_buffer && reads(use.use) && !written[use.resource])
-        report(Diagnostic::Kind::ReadBeforeWrite, use, "is read before any pass of this frame has written it");
+  void check_written() {
     for (const UseRow& use : uses()) {
-      if (use.is_buffer || !writes(use.use)) continue;
-      if (graph_.resources[use.resource].lifetime == Lifetime::HistoryPrev)
-        report(Diagnostic::Kind::Direction, use,
-               "is last frame's image of a history and cannot be written; write next");
-      written[use.resource] = true;
+      if (!reads(use.use)) continue;
+      bool all = true, any = false;
+      for_each_cell(resource(use), use.part, [&](uint32_t c) {
+        all &= written_[use.resource][c];
+        any |= written_[use.resource][c];
+      });
+      if (!all)
+        report(Diagnostic::Kind::ReadBeforeWrite, use,
+               any ? "is read before any pass of this frame has written all the mips and layers read"
+                   : "is read before any pass of this frame has written it");
+    }
+    for (const UseRow& use : uses()) {
+      if (!writes(use.use)) continue;
+      if (resource(use).lifetime == Lifetime::HistoryPrev)
+        report(Diagnostic::Kind::Direction, use, "is last frame's side of a history and cannot be written; write next");
+      if (resource(use).lifetime == Lifetime::Imported)
+        report(Diagnostic::Kind::Direction, use, "is imported and cannot be written in the frame");
+      for_each_cell(resource(use), use.part, [&](uint32_t c) { written_[use.resource][c] = true; });
+    }
+  }
+
+  void check_history_names() {
+    std::map<std::string_view, const ResourceRow*> known;
+    for (const ResourceRow& row : graph_.resources) {
+      if (row.lifetime != Lifetime::HistoryPrev) continue;
+      const auto [first, fresh] = known.emplace(row.name, &row);
+      if (!fresh)
+        found_.push_back({Diagnostic::Kind::UsedTwice,
+                          fmt::format("two histories are named '{}' (declared at {} and at {}): what one frame leaves "
+                                      "to the next is known by its name",
+                                      row.name, where(first->second->at), where(row.at))});
     }
   }
 
   // prev of the next frame is next of this one: somebody must write it.
-  void check_histories(const std::vector<bool>& written) {
+  void check_histories() {
     for (const PassRow& pass : graph_.passes) {
       pass_ = &pass;
       for (const UseRow& use : uses()) {
-        if (use.is_buffer || use.resource >= graph_.resources.size()) continue;
-        const ResourceRow& row = graph_.resources[use.resource];
-        if (row.lifetime == Lifetime::HistoryPrev && !written[row.pair])
+        if (use.resource >= graph_.resources.size() || resource(use).lifetime != Lifetime::HistoryPrev) continue;
+        bool all = true;
+        for_each_cell(resource(use), use.part, [&](uint32_t c) {
+          all &= c < written_[resource(use).pair].size() && written_[resource(use).pair][c];
+        });
+        if (!all)
           report(Diagnostic::Kind::ReadBeforeWrite, use,
                  "is read from a history whose next no pass of this frame writes");
       }
     }
   }
 
+  // Whoever writes something wants it read. Reported once, at the first write.
+  void check_read() {
+    std::vector<bool> is_read(graph_.resources.size(), false);
+    for (const UseRow& use : graph_.uses)
+      if (use.resource < is_read.size() && (reads(use.use) || use.use == Use::DepthAttachment)) {
+        is_read[use.resource] = true;
+        if (resource(use).lifetime == Lifetime::HistoryPrev) is_read[resource(use).pair] = true;
+      }
+    for (const PassRow& pass : graph_.passes) {
+      pass_ = &pass;
+      for (const UseRow& use : uses()) {
+        if (use.resource >= is_read.size() || is_read[use.resource] || resource(use).optional || !writes(use.use))
+          continue;
+        is_read[use.resource] = true;
+        report(Diagnostic::Kind::WrittenNeverRead, use,
+               "is written and never read: read it, or call graph.optional() with it if it is a by-product");
+      }
+    }
+  }
+
   const Graph& graph_;
   const PassRow* pass_ = nullptr;
+  std::vector<std::vector<bool>> written_;  // by resource and cell, so far
   std::vector<Diagnostic> found_;
 };
 
