@@ -3,6 +3,8 @@
 
 #include <unistd.h>
 
+#include <fstream>
+
 #include "core/log.h"
 
 namespace nf::test {
@@ -92,6 +94,31 @@ Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
   }
   shot.plan = renderer.executor().plan();
   return shot;
+}
+
+void GpuGraphTest::start(std::initializer_list<std::pair<const char*, const char*>> shaders,
+                         std::initializer_list<const ParamTable*> tables) {
+  const std::filesystem::path folder = temporary("shaders");
+  std::filesystem::create_directories(folder);
+  std::filesystem::create_directory_symlink(std::filesystem::path(NF_SOURCE_DIR) / "shaders" / "common",
+                                            folder / "common");
+  for (const auto& [name, text] : shaders) std::ofstream(folder / name) << text;
+  gpu::ShaderCompiler compiler(folder, {});
+  for (const ParamTable* table : tables) compiler.add_table(*table);
+  pipelines_ = std::make_unique<gpu::Pipelines>(device(), std::move(compiler), std::filesystem::path());
+  executor_ = std::make_unique<graph::Executor>(device(), *pipelines_);
+}
+
+void GpuGraphTest::TearDown() {
+  executor_.reset();
+  pipelines_.reset();
+  GpuTest::TearDown();
+}
+
+std::vector<float> GpuGraphTest::run(const graph::Graph& graph) {
+  executor_->run(graph);
+  uint32_t channels = 0;
+  return graph::to_floats(executor_->take_readbacks().at(0), channels);
 }
 
 scene::Camera look(glm::vec3 eye, glm::vec3 target, float vfov_deg, glm::vec3 up) {

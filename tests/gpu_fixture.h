@@ -56,6 +56,19 @@ class GpuTest : public testing::Test {
   std::filesystem::path folder_;
 };
 
+// Graphs with shaders of the test's own, beside the engine's common ones.
+class GpuGraphTest : public GpuTest {
+ protected:
+  // Name and text of each shader; tables for their parameter blocks.
+  void start(std::initializer_list<std::pair<const char*, const char*>> shaders,
+             std::initializer_list<const ParamTable*> tables = {});
+  void TearDown() override;
+  // Runs, and the floats of the first read-back.
+  std::vector<float> run(const graph::Graph& graph);
+  std::unique_ptr<gpu::Pipelines> pipelines_;
+  std::unique_ptr<graph::Executor> executor_;
+};
+
 scene::Camera look(glm::vec3 eye, glm::vec3 target, float vfov_deg, glm::vec3 up = {0, 1, 0});
 
 }  // namespace nf::test

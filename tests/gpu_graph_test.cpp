@@ -1,7 +1,5 @@
 // The graph on the device with small shaders of its own: dispatch and full-screen chains, histories, culling of what
 // nobody reads, replans, and the sector masks of the techniques against plain loops.
-#include <fstream>
-
 #include "gpu_fixture.h"
 
 namespace nf::test {
@@ -10,25 +8,20 @@ namespace {
 #define NF_ADD_FIELDS(F) F(Float, amount) F(Uint, source_valid)
 NF_DECLARE_BLOCK(AddBlock, "add", NF_ADD_FIELDS)
 
-// A folder with the test's shaders, and the engine's common ones beside them.
-class GraphOnDevice : public GpuTest {
+class GraphOnDevice : public GpuGraphTest {
  protected:
   void SetUp() override {
-    const std::filesystem::path folder = temporary("shaders");
-    std::filesystem::create_directories(folder);
-    std::filesystem::create_directory_symlink(std::filesystem::path(NF_SOURCE_DIR) / "shaders" / "common",
-                                              folder / "common");
-    write(folder / "fill.comp", R"(#version 460
+    start({{"fill.comp", R"(#version 460
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform writeonly image2D target;
 void main() { imageStore(target, ivec2(gl_GlobalInvocationID.xy), vec4(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y, 7.0, 1.0)); }
-)");
-    write(folder / "corner.comp", R"(#version 460
+)"},
+           {"corner.comp", R"(#version 460
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform writeonly image2D target;
 void main() { if (gl_GlobalInvocationID.x < 4) imageStore(target, ivec2(gl_GlobalInvocationID.xy), vec4(7.0)); }
-)");
-    write(folder / "add.comp", R"(#version 460
+)"},
+           {"add.comp", R"(#version 460
 #include "params/add"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f) uniform readonly image2D source;
@@ -37,13 +30,13 @@ void main() {
   ivec2 p = ivec2(gl_GlobalInvocationID.xy);
   imageStore(target, p, imageLoad(source, p) + add.amount);
 }
-)");
-    write(folder / "sampled.frag", R"(#version 460
+)"},
+           {"sampled.frag", R"(#version 460
 uniform texture2D source;
 layout(location = 0) out vec4 color;
 void main() { color = texelFetch(source, ivec2(gl_FragCoord.xy), 0) * 2.0; }
-)");
-    write(folder / "masks.comp", R"(#version 460
+)"},
+           {"masks.comp", R"(#version 460
 #include "common/sectors.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(r32ui) uniform writeonly uimage2D target;
@@ -51,30 +44,11 @@ void main() {
   ivec2 p = ivec2(gl_GlobalInvocationID.xy);
   if (p.x <= 32 && p.y <= 32) imageStore(target, p, uvec4(sector_mask(p.x, p.y)));
 }
-)");
-    write(folder / "broken.comp",
-          "#version 460\n#include \"common/sectors.glsl\"\nlayout(local_size_x = 8) in;\nvoid main() {\n  undeclared = "
-          "1;\n}\n");
-    gpu::ShaderCompiler compiler(folder, {});
-    compiler.add_table(AddBlock::table());
-    pipelines_ = std::make_unique<gpu::Pipelines>(device(), std::move(compiler), std::filesystem::path());
-    executor_ = std::make_unique<graph::Executor>(device(), *pipelines_);
+)"},
+           {"broken.comp", "#version 460\n#include \"common/sectors.glsl\"\nlayout(local_size_x = 8) in;\nvoid main() {\n  undeclared = "
+          "1;\n}\n"}},
+          {&AddBlock::table()});
   }
-  void TearDown() override {
-    executor_.reset();
-    pipelines_.reset();
-    GpuTest::TearDown();
-  }
-  static void write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path) << text; }
-
-  std::vector<float> run(const graph::Graph& graph) {
-    executor_->run(graph);
-    uint32_t channels = 0;
-    return graph::to_floats(executor_->take_readbacks().at(0), channels);
-  }
-
-  std::unique_ptr<gpu::Pipelines> pipelines_;
-  std::unique_ptr<graph::Executor> executor_;
 };
 
 constexpr graph::ImageDesc desc{{20, 12}, VK_FORMAT_R32G32B32A32_SFLOAT};

@@ -36,7 +36,9 @@ void emit(VkCommandBuffer commands, VkPipelineStageFlags2 src, VkAccessFlags2 sr
   emit(commands, {}, {}, {&memory, 1});
 }
 
-constexpr VkPipelineStageFlags2 all_stages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+// Fills belong to the stage CLEAR; validation layer 1.3.239 takes them for copies.
+constexpr VkPipelineStageFlags2 all_stages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                fill_stages = VK_PIPELINE_STAGE_2_CLEAR_BIT | VK_PIPELINE_STAGE_2_COPY_BIT;
 constexpr VkAccessFlags2 any_write = VK_ACCESS_2_MEMORY_WRITE_BIT,
                          any_access = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
 
@@ -57,12 +59,12 @@ void Executor::poison(VkCommandBuffer commands, uint32_t position) {
       if (planned.live && planned.heap >= 0 && planned.first == position)
         ranges.push_back({&heaps_[real.heaps[size_t(planned.heap)]], planned.offset, planned.bytes / 4 * 4});
   if (ranges.empty()) return;
-  emit(commands, all_stages, any_write, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+  emit(commands, all_stages, any_write, fill_stages, VK_ACCESS_2_TRANSFER_WRITE_BIT);
   for (const Range& range : ranges) {
     if (!range.heap->cover.handle) range.heap->cover = gpu::cover(device_, range.heap->heap);
     vkCmdFillBuffer(commands, range.heap->cover.handle, range.begin, range.size, 0xffffffffu);
   }
-  emit(commands, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, all_stages, any_access);
+  emit(commands, fill_stages, VK_ACCESS_2_TRANSFER_WRITE_BIT, all_stages, any_access);
 }
 
 // Before a plan's first frame: everything earlier is finished, and histories are where the plan expects them. A history
@@ -86,9 +88,9 @@ void Executor::settle_history(PhysicalHistory& history, uint32_t side, bool clea
   const gpu::Image& image = history.sides[side].image;
   if (!image.handle) {
     if (!clear) return;
-    emit(commands, all_stages, any_write, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    emit(commands, all_stages, any_write, fill_stages, VK_ACCESS_2_TRANSFER_WRITE_BIT);
     vkCmdFillBuffer(commands, history.sides[side].buffer.handle, 0, VK_WHOLE_SIZE, 0);
-    emit(commands, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, all_stages, any_access);
+    emit(commands, fill_stages, VK_ACCESS_2_TRANSFER_WRITE_BIT, all_stages, any_access);
     return;
   }
   for (uint32_t c = 0; c < history.layouts[side].size(); ++c) {
@@ -116,12 +118,18 @@ void Executor::settle_history(PhysicalHistory& history, uint32_t side, bool clea
   }
 }
 
-void Executor::record_barriers(const Graph& graph, const PlannedPass& planned, VkCommandBuffer commands, int dropped) {
+void Executor::record_barriers(const Graph& graph, const PlannedPass& planned, VkCommandBuffer commands,
+                               const ExecuteOptions& execute) {
   std::vector<VkImageMemoryBarrier2> images;
   std::vector<VkBufferMemoryBarrier2> buffers;
   for (uint32_t i = planned.first_barrier; i < planned.first_barrier + planned.barrier_count; ++i) {
-    if (dropped == int(i)) continue;
-    const Barrier& b = plans_[current_].plan.barriers[i];
+    if (execute.drop_barrier == int(i)) continue;
+    Barrier b = plans_[current_].plan.barriers[i];
+    // In a plan's first frame its memory was another plan's. The barrier of settle() is between them, but the
+    // validation layer wants this write in the source scope of the barrier that discards the content.
+    if (switched_ && b.old_layout == VK_IMAGE_LAYOUT_UNDEFINED)
+      b.src_stages = all_stages, b.src_access = any_write;
+    if (execute.loosen_barrier == int(i)) b.src_stages = VK_PIPELINE_STAGE_2_NONE, b.src_access = 0;
     if (graph.resources[b.resource].is_buffer) {
       buffers.push_back({.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
                          .srcStageMask = b.src_stages,
@@ -309,7 +317,7 @@ void Executor::record_pass(const Graph& graph, uint32_t position, gpu::Frame& fr
   VkDebugUtilsLabelEXT label{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, .pLabelName = pass.name};
   device_.begin_label(commands, &label);
   gpu::write_timestamp(device_, frame, execute.timing);
-  record_barriers(graph, planned, commands, execute.drop_barrier);
+  record_barriers(graph, planned, commands, execute);
 
   if (pass.kind == PassKind::Readback) {
     record_readback(graph, planned.pass, commands);

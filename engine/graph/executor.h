@@ -27,8 +27,9 @@ struct ExecutorOptions {
 
 struct ExecuteOptions {
   gpu::Timing timing = gpu::Timing::Serialize;
-  // Test hook: this barrier of the plan (by row) is left out, so that a test can see that validation notices.
-  int drop_barrier = -1;
+  // Test hooks, so that a test can see that validation notices: this barrier of the plan (by row) is left out; this one
+  // changes the layout and waits for nothing.
+  int drop_barrier = -1, loosen_barrier = -1;
 };
 
 struct PassTime {
@@ -149,7 +150,8 @@ class Executor {
   void poison(VkCommandBuffer commands, uint32_t position);
   void record_pass(const Graph& graph, uint32_t position, gpu::Frame& frame, const ExecuteOptions& options,
                    std::span<const gpu::UniformRange> uniforms);
-  void record_barriers(const Graph& graph, const PlannedPass& planned, VkCommandBuffer commands, int dropped);
+  void record_barriers(const Graph& graph, const PlannedPass& planned, VkCommandBuffer commands,
+                       const ExecuteOptions& execute);
   void dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
   void record_copy(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
   void record_readback(const Graph& graph, uint32_t pass, VkCommandBuffer commands);
