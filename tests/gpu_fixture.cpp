@@ -1,9 +1,8 @@
 // The GPU test fixture.
 #include "gpu_fixture.h"
 
-#include <unistd.h>
-
 #include <fstream>
+#include <unistd.h>
 
 #include "core/log.h"
 
@@ -119,6 +118,24 @@ std::vector<float> GpuGraphTest::run(const graph::Graph& graph) {
   executor_->run(graph);
   uint32_t channels = 0;
   return graph::to_floats(executor_->take_readbacks().at(0), channels);
+}
+
+content::Builder small_room() {
+  using glm::vec3;
+  content::Builder b;
+  const auto white = b.material({.base_color = vec3(0.7f)});
+  b.room({0, 1, 0}, vec3(1, 1, 1), white);
+  b.box({0.3f, 0.3f, -0.2f}, vec3(0.3f), 0.4f,
+        b.material({.base_color = vec3(0.8f, 0.3f, 0.2f), .metallic = 0.5f, .roughness = 0.3f}));
+  b.quad({-0.3f, 1.98f, -0.3f}, {0.3f, 1.98f, -0.3f}, {0.3f, 1.98f, 0.3f}, {-0.3f, 1.98f, 0.3f},
+         b.material({.emissive = vec3(8)}));
+  b.point_light({-0.5f, 1.5f, 0.4f}, 1);
+  b.directional_light({0.2f, -1, 0.1f}, 2);
+  return b;
+}
+
+scene::Camera inside_small_room() {
+  return look({-0.7f, 1.2f, 0.8f}, {0.2f, 0.7f, -0.3f}, 70);
 }
 
 scene::Camera look(glm::vec3 eye, glm::vec3 target, float vfov_deg, glm::vec3 up) {

@@ -69,6 +69,10 @@ class GpuGraphTest : public GpuTest {
   std::unique_ptr<graph::Executor> executor_;
 };
 
+// A closed room with a box, a lamp, a point light and a sun through its walls; and a camera in it.
+content::Builder small_room();
+scene::Camera inside_small_room();
+
 scene::Camera look(glm::vec3 eye, glm::vec3 target, float vfov_deg, glm::vec3 up = {0, 1, 0});
 
 }  // namespace nf::test

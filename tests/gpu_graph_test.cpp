@@ -11,17 +11,18 @@ NF_DECLARE_BLOCK(AddBlock, "add", NF_ADD_FIELDS)
 class GraphOnDevice : public GpuGraphTest {
  protected:
   void SetUp() override {
-    start({{"fill.comp", R"(#version 460
+    start(
+        {{"fill.comp", R"(#version 460
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform writeonly image2D target;
 void main() { imageStore(target, ivec2(gl_GlobalInvocationID.xy), vec4(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y, 7.0, 1.0)); }
 )"},
-           {"corner.comp", R"(#version 460
+         {"corner.comp", R"(#version 460
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform writeonly image2D target;
 void main() { if (gl_GlobalInvocationID.x < 4) imageStore(target, ivec2(gl_GlobalInvocationID.xy), vec4(7.0)); }
 )"},
-           {"add.comp", R"(#version 460
+         {"add.comp", R"(#version 460
 #include "params/add"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f) uniform readonly image2D source;
@@ -31,12 +32,12 @@ void main() {
   imageStore(target, p, imageLoad(source, p) + add.amount);
 }
 )"},
-           {"sampled.frag", R"(#version 460
+         {"sampled.frag", R"(#version 460
 uniform texture2D source;
 layout(location = 0) out vec4 color;
 void main() { color = texelFetch(source, ivec2(gl_FragCoord.xy), 0) * 2.0; }
 )"},
-           {"masks.comp", R"(#version 460
+         {"masks.comp", R"(#version 460
 #include "common/sectors.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(r32ui) uniform writeonly uimage2D target;
@@ -45,9 +46,10 @@ void main() {
   if (p.x <= 32 && p.y <= 32) imageStore(target, p, uvec4(sector_mask(p.x, p.y)));
 }
 )"},
-           {"broken.comp", "#version 460\n#include \"common/sectors.glsl\"\nlayout(local_size_x = 8) in;\nvoid main() {\n  undeclared = "
+         {"broken.comp",
+          "#version 460\n#include \"common/sectors.glsl\"\nlayout(local_size_x = 8) in;\nvoid main() {\n  undeclared = "
           "1;\n}\n"}},
-          {&AddBlock::table()});
+        {&AddBlock::table()});
   }
 };
 

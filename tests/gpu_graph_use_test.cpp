@@ -225,8 +225,7 @@ TEST_F(UsesOnDevice, ValuesAreRight) {
   const auto half = as<float>(out[5]);
   for (size_t i = 0; i < 256; ++i) ASSERT_EQ(half[i], i % 16 < 8 ? 5.0f : 1.0f) << i;
   const auto first = as<float>(out[6]);
-  for (size_t i = 0; i < 64; ++i)
-    EXPECT_EQ(first[i], float(2 * (i % 8)) + 0.5f + 16 * (float(2 * (i / 8)) + 0.5f) + 1);
+  for (size_t i = 0; i < 64; ++i) EXPECT_EQ(first[i], float(2 * (i % 8)) + 0.5f + 16 * (float(2 * (i / 8)) + 0.5f) + 1);
   // A buffer history counts frames, and starts where the shader is told that there is none.
   for (uint32_t frame = 0; frame < 3; ++frame) {
     const auto counts = as<uint32_t>(out[8 * frame + 7]);

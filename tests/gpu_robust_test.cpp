@@ -10,28 +10,13 @@ namespace {
 using content::Builder;
 using glm::vec3;
 
-Builder small_room() {
-  Builder b;
-  const auto white = b.material({.base_color = vec3(0.7f)});
-  b.room({0, 1, 0}, vec3(1, 1, 1), white);
-  b.box({0.3f, 0.3f, -0.2f}, vec3(0.3f), 0.4f,
-        b.material({.base_color = vec3(0.8f, 0.3f, 0.2f), .metallic = 0.5f, .roughness = 0.3f}));
-  b.quad({-0.3f, 1.98f, -0.3f}, {0.3f, 1.98f, -0.3f}, {0.3f, 1.98f, 0.3f}, {-0.3f, 1.98f, 0.3f},
-         b.material({.emissive = vec3(8)}));
-  b.point_light({-0.5f, 1.5f, 0.4f}, 1);
-  b.directional_light({0.2f, -1, 0.1f}, 2);
-  return b;
-}
-
-const scene::Camera inside = look({-0.7f, 1.2f, 0.8f}, {0.2f, 0.7f, -0.3f}, 70);
-
 class Robust : public GpuTest {};
 
 TEST_F(Robust, OddSizes) {
   const scene::Scene scene = load(small_room());
   for (const glm::uvec2 size :
        {glm::uvec2(1, 1), glm::uvec2(3, 5), glm::uvec2(319, 181), glm::uvec2(2, 1), glm::uvec2(1, 64)}) {
-    const Shot shot = shoot(scene, {.size = size, .camera = inside, .frames = 2});
+    const Shot shot = shoot(scene, {.size = size, .camera = inside_small_room(), .frames = 2});
     EXPECT_EQ(shot.layer("").width, size.x);
     EXPECT_EQ(shot.layer("").height, size.y);
     float sum = 0;
@@ -42,7 +27,7 @@ TEST_F(Robust, OddSizes) {
 
 TEST_F(Robust, SameInputSameBytes) {
   const scene::Scene scene = load(small_room());
-  const Request request{.size = {97, 61}, .camera = inside, .frames = 3, .accumulate = true};
+  const Request request{.size = {97, 61}, .camera = inside_small_room(), .frames = 3, .accumulate = true};
   const Shot a = shoot(scene, request), b = shoot(scene, request);
   EXPECT_EQ(a.picture, b.picture);
   for (const auto& [name, image] : a.layers) EXPECT_EQ(image.pixels, b.layer(name).pixels) << name;
@@ -54,7 +39,7 @@ TEST_F(Robust, SameInputSameBytes) {
 // A barrier that is left out must be reported: without this, silence of the validation layer would prove nothing.
 TEST_F(Robust, ValidationReportsAMissingBarrier) {
   const scene::Scene scene = load(small_room());
-  const Request request{.size = {64, 36}, .camera = inside};
+  const Request request{.size = {64, 36}, .camera = inside_small_room()};
   const graph::Plan plan = shoot(scene, request).plan;
   EXPECT_TRUE(device().take_messages().empty());
   int reported = 0, tried = 0;
@@ -77,7 +62,7 @@ TEST_F(Robust, ValidationReportsAMissingBarrier) {
 // Transients that share memory give the same bytes as ones that do not.
 TEST_F(Robust, AliasingChangesNothing) {
   const scene::Scene scene = load(small_room());
-  Request request{.size = {97, 61}, .camera = inside, .frames = 3, .scan = false};
+  Request request{.size = {97, 61}, .camera = inside_small_room(), .frames = 3, .scan = false};
   const Shot shared = shoot(scene, request);
   request.graph.alias = false;
   const Shot apart = shoot(scene, request);
@@ -100,8 +85,8 @@ TEST_F(Robust, TechniqueSwapsKeepTheRest) {
   const scene::Scene scene = load(small_room());
   passes::FrameSettings with, without;
   without.technique = &passes::find_technique("none");
-  const Shot a = shoot(scene, {.size = {64, 36}, .camera = inside, .settings = with});
-  const Shot b = shoot(scene, {.size = {64, 36}, .camera = inside, .settings = without});
+  const Shot a = shoot(scene, {.size = {64, 36}, .camera = inside_small_room(), .settings = with});
+  const Shot b = shoot(scene, {.size = {64, 36}, .camera = inside_small_room(), .settings = without});
   EXPECT_EQ(a.layer("direct").pixels, b.layer("direct").pixels);
   EXPECT_EQ(b.layers.count("gi"), 0u) << "absent, not faked";
   EXPECT_EQ(b.layers.count("visibility"), 0u);

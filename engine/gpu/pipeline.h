@@ -52,6 +52,9 @@ class Pipelines {
   Pipeline raster(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines,
                   const RasterState& state);
 
+  // To add tables to before their shaders are compiled.
+  ShaderCompiler& compiler() { return compiler_; }
+
   struct Bound {
     VkPipeline pipeline = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;

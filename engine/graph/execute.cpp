@@ -127,8 +127,7 @@ void Executor::record_barriers(const Graph& graph, const PlannedPass& planned, V
     Barrier b = plans_[current_].plan.barriers[i];
     // In a plan's first frame its memory was another plan's. The barrier of settle() is between them, but the
     // validation layer wants this write in the source scope of the barrier that discards the content.
-    if (switched_ && b.old_layout == VK_IMAGE_LAYOUT_UNDEFINED)
-      b.src_stages = all_stages, b.src_access = any_write;
+    if (switched_ && b.old_layout == VK_IMAGE_LAYOUT_UNDEFINED) b.src_stages = all_stages, b.src_access = any_write;
     if (execute.loosen_barrier == int(i)) b.src_stages = VK_PIPELINE_STAGE_2_NONE, b.src_access = 0;
     if (graph.resources[b.resource].is_buffer) {
       buffers.push_back({.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
