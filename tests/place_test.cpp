@@ -1,9 +1,11 @@
-// Placement of transients: no two that live together share bytes, quality against the bound, and who owned the bytes
-// before.
+// Placement of transients: no two that live together share bytes, the bound against an exhaustive search, quality
+// against the bound, and who owned the bytes before.
 #include "graph/place.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <numeric>
 #include <random>
 
 #include "graph_values.h"
@@ -28,44 +30,181 @@ bool alive_together(const PlaceItem& a, const PlaceItem& b) {
   return a.first <= b.last && b.first <= a.last;
 }
 
-TEST(Place, RandomGraphsNeverShareLiveBytes) {
-  double sum = 0, worst = 0;
-  int above = 0;
-  constexpr int count = 10000;
-  for (int seed = 0; seed < count; ++seed) {
-    const std::vector<PlaceItem> items = random_items(uint64_t(seed));
-    const Placement p = place(items);
-    for (size_t i = 0; i < items.size(); ++i) {
-      ASSERT_EQ(p.offset[i] % items[i].align, 0u) << "seed " << seed;
-      ASSERT_LE(p.offset[i] + items[i].size, p.top) << "seed " << seed;
-      for (size_t j = 0; j < i; ++j) {
-        const bool apart = p.offset[i] + items[i].size <= p.offset[j] || p.offset[j] + items[j].size <= p.offset[i];
-        ASSERT_TRUE(apart || !alive_together(items[i], items[j])) << "seed " << seed << ": " << i << " and " << j;
-      }
+void expect_valid(std::span<const PlaceItem> items, const Placement& p) {
+  ASSERT_EQ(p.offset.size(), items.size());
+  uint64_t top = 0;
+  for (size_t i = 0; i < items.size(); ++i) {
+    ASSERT_EQ(p.offset[i] % items[i].align, 0u) << i;
+    top = std::max(top, p.offset[i] + items[i].size);
+    for (size_t j = 0; j < i; ++j) {
+      const bool apart = p.offset[i] + items[i].size <= p.offset[j] || p.offset[j] + items[j].size <= p.offset[i];
+      ASSERT_TRUE(apart || !alive_together(items[i], items[j])) << i << " and " << j;
     }
-    const double ratio = double(p.top) / double(max_live(items));
-    sum += ratio;
-    worst = std::max(worst, ratio);
-    above += ratio > 1.10;
   }
-  std::printf("placed / max live: mean %.4f, worst %.4f, above 1.10: %d of %d\n", sum / count, worst, above, count);
-  EXPECT_LE(sum / count, 1.01);
-  EXPECT_LE(above, count / 1000);
+  ASSERT_EQ(p.top, top);
 }
 
-TEST(Place, EqualSizesReachTheBound) {
-  for (uint32_t n = 1; n <= 30; ++n) {
-    std::vector<PlaceItem> chain;
-    for (uint32_t i = 0; i < n; ++i) chain.push_back({65536, 256, i, i + 1});
-    EXPECT_EQ(place(chain).top, max_live(chain)) << n;
-    EXPECT_EQ(place(chain).top, uint64_t(n > 1 ? 2 : 1) * 65536);
+TEST(Place, RandomGraphsStayNearTheBound) {
+  constexpr int count = 10000;
+  std::vector<double> ratios;
+  for (int seed = 0; seed < count; ++seed) {
+    SCOPED_TRACE(seed);
+    const std::vector<PlaceItem> items = random_items(uint64_t(seed));
+    const Placement p = place(items);
+    ASSERT_NO_FATAL_FAILURE(expect_valid(items, p));
+    ASSERT_GE(p.top, max_live(items));
+    ratios.push_back(double(p.top) / double(max_live(items)));
   }
+  std::sort(ratios.begin(), ratios.end());
+  const double mean = std::accumulate(ratios.begin(), ratios.end(), 0.0) / count;
+  const auto above = ratios.end() - std::upper_bound(ratios.begin(), ratios.end(), 1.10);
+  std::printf("placed / bound: mean %.5f, p99.9 %.4f, worst %.4f, above 1.10: %d of %d\n", mean,
+              ratios[count - 1 - count / 1000], ratios.back(), int(above), count);
+  EXPECT_LE(mean, 1.001);
+  EXPECT_LE(ratios.back(), 1.05);
+}
+
+// Short lifetimes in many passes, as a frame has them, and lifetimes of up to a third of it: the two ways to look for
+// holes.
+TEST(Place, ManyItems) {
+  for (const uint32_t life : {6u, 20u, 333u}) {
+    SCOPED_TRACE(life);
+    std::mt19937_64 engine(life);
+    std::vector<PlaceItem> items(1000);
+    for (PlaceItem& item : items) {
+      item = {65536 * (1 + engine() % 256), 65536, uint32_t(engine() % items.size()), 0};
+      item.last = item.first + uint32_t(engine() % life);
+    }
+    const Placement p = place(items);
+    ASSERT_NO_FATAL_FAILURE(expect_valid(items, p));
+    EXPECT_LE(double(p.top), 1.10 * double(max_live(items)));
+  }
+}
+
+// --- the bound ---
+
+// The lowest top of all, by trying every order: with a placement's items sorted by offset and each pushed down as far
+// as the ones before it allow, none is higher than it was, so some order gives an optimum.
+struct Exhaustive {
+  std::span<const PlaceItem> items;
+  std::vector<uint32_t> placed;
+  std::vector<uint64_t> offset;
+  uint64_t best = UINT64_MAX;
+
+  void search(uint64_t top) {
+    if (placed.size() == items.size()) best = top;
+    for (uint32_t i = 0; i < items.size(); ++i) {
+      if (std::find(placed.begin(), placed.end(), i) != placed.end()) continue;
+      uint64_t begin = 0;
+      for (const uint32_t other : placed)
+        if (alive_together(items[i], items[other])) begin = std::max(begin, offset[other] + items[other].size);
+      offset[i] = (begin + items[i].align - 1) / items[i].align * items[i].align;
+      const uint64_t end = std::max(top, offset[i] + items[i].size);
+      if (end >= best) continue;
+      placed.push_back(i);
+      search(end);
+      placed.pop_back();
+    }
+  }
+};
+
+uint64_t optimum(std::span<const PlaceItem> items) {
+  Exhaustive all{.items = items, .offset = std::vector<uint64_t>(items.size())};
+  all.search(0);
+  return all.best;
+}
+
+TEST(Place, BoundIsBelowAndPlacementAtTheOptimum) {
+  constexpr int count = 2000;
+  int met = 0, optimal = 0;
+  for (uint64_t seed = 0; seed < count; ++seed) {
+    std::mt19937_64 engine(seed);
+    std::vector<PlaceItem> items(2 + engine() % 6);
+    for (PlaceItem& item : items) {
+      item = {1 + engine() % 40, uint64_t{1} << (engine() % 6), uint32_t(engine() % 6), 0};
+      item.last = item.first + uint32_t(engine() % 4);
+    }
+    const uint64_t lowest = optimum(items), bound = max_live(items), top = place(items).top;
+    ASSERT_LE(bound, lowest) << "seed " << seed;
+    ASSERT_LE(lowest, top) << "seed " << seed;
+    met += bound == lowest;
+    optimal += top == lowest;
+  }
+  std::printf("of %d small graphs: the bound is reached by the optimum in %d, the optimum by place() in %d\n", count,
+              met, optimal);
+  EXPECT_GE(optimal, count * 99 / 100);
+}
+
+TEST(Place, BoundCountsWhatAlignmentForces) {
+  EXPECT_EQ(max_live({}), 0u);
+  const std::vector<PlaceItem> same = {{100, 256, 0, 0}, {100, 256, 0, 0}, {70, 256, 0, 0}};
+  EXPECT_EQ(max_live(same), 256u + 256 + 70) << "all begin at multiples of 256, one of them is the topmost";
+  const std::vector<PlaceItem> filled = {{100, 256, 0, 0}, {100, 256, 0, 0}, {156, 1, 0, 0}};
+  EXPECT_EQ(max_live(filled), 356u) << "the third fits between the others: nothing is forced";
+  EXPECT_EQ(place(filled).top, 356u);
+  const std::vector<PlaceItem> apart = {{100, 256, 0, 1}, {50, 256, 2, 3}, {60, 256, 3, 3}};
+  EXPECT_EQ(max_live(apart), 256u + 50) << "at position 3; the topmost is the one with more padding";
+}
+
+// The sweep against the sum over what is alive at each position.
+TEST(Place, BoundIsTheLargestOverPositions) {
+  for (uint64_t seed = 0; seed < 300; ++seed) {
+    const std::vector<PlaceItem> items = random_items(seed);
+    uint64_t expected = 0;
+    for (uint32_t position = 0; position < items.size(); ++position)
+      for (uint64_t align = 1; align <= 65536; align *= 2) {
+        uint64_t sum = 0, padding = 0;
+        for (const PlaceItem& item : items) {
+          if (item.align < align || item.first > position || item.last < position) continue;
+          const uint64_t padded = (item.size + align - 1) / align * align;
+          sum += padded;
+          padding = std::max(padding, padded - item.size);
+        }
+        expected = std::max(expected, sum - padding);
+      }
+    ASSERT_EQ(max_live(items), expected) << "seed " << seed;
+  }
+}
+
+// --- special graphs ---
+
+TEST(Place, EqualSizesReachTheBound) {
+  for (const uint64_t size : {65536u, 65000u})
+    for (uint32_t n = 1; n <= 30; ++n) {
+      std::vector<PlaceItem> chain;
+      for (uint32_t i = 0; i < n; ++i) chain.push_back({size, 256, i, i + 1});
+      EXPECT_EQ(place(chain).top, max_live(chain)) << n;
+      EXPECT_EQ(place(chain).top, n > 1 ? (size + 255) / 256 * 256 + size : size);
+    }
   EXPECT_EQ(place({}).top, 0u);
+}
+
+// Two buffers that take turns beside one that stays.
+TEST(Place, PingPongTakesTwo) {
+  std::vector<PlaceItem> items = {{1000, 8, 0, 12}};
+  for (uint32_t i = 0; i < 12; ++i) items.push_back({4096, 256, i, i + 1});
+  EXPECT_EQ(place(items).top, 2u * 4096 + 1000);
 }
 
 TEST(Place, SameItemsSameOffsets) {
   const std::vector<PlaceItem> items = random_items(7);
   EXPECT_EQ(place(items).offset, place(items).offset);
+}
+
+// X may take the bytes of either; `early` was done with them three positions before `late`, and both are taken again at
+// the same time.
+TEST(Place, TakesWhatIsUnusedTheLongest) {
+  const PlaceItem early{100, 1, 0, 1}, late{100, 1, 0, 4}, x{100, 1, 6, 6}, all{200, 1, 11, 11};
+  const Placement a = place(std::vector{early, late, x, all}), b = place(std::vector{late, early, x, all});
+  EXPECT_EQ(a.top, 200u);
+  EXPECT_EQ(a.offset[2], a.offset[0]);
+  EXPECT_EQ(b.offset[2], b.offset[1]);
+  // The same seen from behind: who takes them over next begins later.
+  const PlaceItem soon{100, 1, 8, 11}, later{100, 1, 10, 11}, before{100, 1, 6, 6}, first{200, 1, 0, 0};
+  const Placement c = place(std::vector{soon, later, before, first}),
+                  d = place(std::vector{later, soon, before, first});
+  EXPECT_EQ(c.offset[2], c.offset[1]);
+  EXPECT_EQ(d.offset[2], d.offset[0]);
 }
 
 // Against an array with an owner for each byte, run for two frames.

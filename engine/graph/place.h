@@ -1,6 +1,6 @@
 // Placement of transients by byte ranges: resources whose lifetimes do not meet may share bytes. It is dynamic storage
-// allocation (NP-complete); greedy orders and a bounded number of seeded swaps come within a few per cent of the bound.
-// A pure function: the same items give the same offsets.
+// allocation (NP-complete); greedy orders and a bounded number of seeded repairs come within a few parts in a thousand
+// of the bound. A pure function: the same items give the same offsets on every machine.
 #pragma once
 
 #include <cstdint>
@@ -20,13 +20,15 @@ struct Placement {
   uint64_t top = 0;              // bytes of the heap
 };
 
-// The largest sum of aligned sizes alive at one position: no placement needs less.
+// Bytes that no placement of these items in one heap goes below. Of the items alive at one position, take those whose
+// alignment is at least A: each begins at a multiple of A, so all but the topmost take align_up(size, A). The largest
+// such sum over positions and alignments; for the smallest alignment it is at least the plain sum of sizes.
 uint64_t max_live(std::span<const PlaceItem> items);
 
-// Tries four greedy orders (size, size x lifetime, lifetime, first use), then swaps of the best one until the bound is
-// met or `swaps` were tried. Among places of equal top the one free the longest is taken: fewer waits between
-// neighbours.
-Placement place(std::span<const PlaceItem> items, uint32_t swaps = 500);
+// Tries four greedy orders (size, size x lifetime, lifetime, first use), then repairs of the best one: at most `tries`,
+// fewer where the bound is near or the items are many. Among the places that keep the top, an item takes the one whose
+// bytes are unused the longest before and after it: fewer waits between neighbours.
+Placement place(std::span<const PlaceItem> items, uint32_t tries = 500);
 
 // Who owned an item's bytes before it, going round the frame: the frame's first users follow the last ones of the frame
 // before. Sorted; an item that shares with nobody is its own predecessor.
