@@ -8,7 +8,7 @@ build_packages=(
   glslang-dev glslang-tools spirv-tools libspirv-cross-c-shared-dev
   libcli11-dev libfmt-dev libglm-dev libspdlog-dev nlohmann-json3-dev
   libopenexr-dev libpng-dev libstb-dev libtinygltf-dev
-  libgtest-dev
+  libgtest-dev libbenchmark-dev
 )
 # Only `test.sh --all` needs these.
 check_packages=(clang clang-format)

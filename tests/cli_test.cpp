@@ -163,6 +163,23 @@ TEST_F(CliTest, SameCommandSameBytes) {
   EXPECT_EQ(layer(a, "depth").image.pixels, layer(c, "depth").image.pixels);
 }
 
+TEST_F(CliTest, GraphSwitchesDoNotChangeThePicture) {
+  const auto picture = [&](const Words& words) {
+    Words all = {"-o", out("s.png"), "--frames", "2", "--accumulate"};
+    all.insert(all.end(), words.begin(), words.end());
+    render(all);
+    return image::read_png(out("s.png")).pixels;
+  };
+  const auto expected = picture({});
+  for (const Words& words : {Words{"--no-alias"}, Words{"--poison"}, Words{"--poison=handover"},
+                             Words{"--barriers", "each"}, Words{"--layouts", "general"}, Words{"--order-seed", "3"}})
+    EXPECT_EQ(picture(words), expected) << words[0];
+  EXPECT_EQ(run({"render", scene(), "--poison=never"}).code, 2);
+  const Outcome text = run({"graph", scene(), "--layouts", "general", "--order-seed", "3"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_NE(text.out.find("no placement needs less"), std::string::npos) << text.out;
+}
+
 TEST_F(CliTest, AccumulateIsTheMean) {
   const Words common = {"--aov", "gi_raw,depth,normal", "--precision", "float", "--accumulate"};
   const auto frames = [&](const char* name, Words words) {

@@ -33,7 +33,8 @@ void find_lifetimes(const Graph& graph, Plan& plan) {
 struct HeapGroup {
   PlannedHeap heap;
   std::vector<uint16_t> resources;
-  std::vector<PlaceItem> items;
+  std::vector<PlaceItem> lives;   // as they are used
+  std::vector<PlaceItem> items;   // as they are placed: without aliasing all live for the whole frame
   std::vector<uint64_t> content;  // bytes of the texels
 };
 
@@ -64,7 +65,6 @@ void place_resources(const Graph& graph, const CompileOptions& options, Plan& pl
   plan.resources.resize(graph.resources.size());
   find_lifetimes(graph, plan);
   std::vector<HeapGroup> groups;
-  std::vector<PlaceItem> everything;
   for (uint16_t r = 0; r < plan.resources.size(); ++r) {
     PlannedResource& planned = plan.resources[r];
     const ResourceRow& row = graph.resources[r];
@@ -76,26 +76,26 @@ void place_resources(const Graph& graph, const CompileOptions& options, Plan& pl
     if (row.lifetime != Lifetime::Transient) continue;
     plan.unaliased_bytes += needs.size;
     PlaceItem item{needs.size, needs.alignment, planned.first, planned.last};
-    everything.push_back(item);
     if (needs.dedicated) {
       planned.dedicated = true;
       planned.alias_of = {r};
       plan.placed_bytes += needs.size;
+      plan.max_live_bytes += needs.size;
       continue;
     }
-    // Without aliasing everything lives for the whole frame.
-    if (!options.alias) item.first = 0, item.last = uint32_t(plan.passes.size());
     auto group = std::find_if(groups.begin(), groups.end(), [&](const HeapGroup& g) {
       return g.heap.buffers == row.is_buffer && g.heap.type_bits == needs.type_bits;
     });
     if (group == groups.end())
-      group = groups.insert(groups.end(), HeapGroup{{row.is_buffer, needs.type_bits, 0}, {}, {}, {}});
+      group = groups.insert(groups.end(), HeapGroup{{row.is_buffer, needs.type_bits, 0}, {}, {}, {}, {}});
     group->resources.push_back(r);
+    group->lives.push_back(item);
+    if (!options.alias) item.first = 0, item.last = uint32_t(plan.passes.size());
     group->items.push_back(item);
     group->content.push_back(content);
   }
-  plan.max_live_bytes = max_live(everything);
   for (HeapGroup& group : groups) {
+    plan.max_live_bytes += max_live(group.lives);
     const Placement placement = place(group.items);
     for (size_t i = 0; i < group.resources.size(); ++i) {
       plan.resources[group.resources[i]].heap = int32_t(plan.heaps.size());

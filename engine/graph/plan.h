@@ -88,8 +88,9 @@ struct Plan {
   std::vector<PlannedCell> cells;
   std::vector<PlannedHeap> heaps;
   uint64_t unaliased_bytes = 0;  // sum over live transients
-  uint64_t max_live_bytes = 0;   // the largest sum over transients alive at one pass: the bound for any placement
-  uint64_t placed_bytes = 0;     // what the heaps and the dedicated transients really take
+  // What the transients alive at one pass need at most: the bound for any placement in these heaps.
+  uint64_t max_live_bytes = 0;
+  uint64_t placed_bytes = 0;  // what the heaps and the dedicated transients really take
 };
 
 struct CompileOptions {

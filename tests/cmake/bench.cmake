@@ -2,3 +2,7 @@
 add_executable(yardstick bench/yardstick.cpp)
 target_link_libraries(yardstick PRIVATE nf_passes nf_options)
 target_compile_definitions(yardstick PRIVATE NF_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+find_package(benchmark REQUIRED)
+add_executable(graph_bench bench/graph_bench.cpp)
+target_link_libraries(graph_bench PRIVATE nf_passes benchmark::benchmark nf_options)
+target_compile_definitions(graph_bench PRIVATE NF_BINARY_DIR="${CMAKE_BINARY_DIR}")
