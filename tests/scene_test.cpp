@@ -370,4 +370,40 @@ TEST(SharedScenes, LoadWithTheKnownTriangles) {
   }
 }
 
+double surface(const Scene& scene) {
+  double sum = 0;
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const Primitive& primitive = scene.primitives[scene.instances.primitive[i]];
+    const glm::dmat4 world(scene.nodes.world[scene.instances.node[i]]);
+    const auto corner = [&](uint32_t k) {
+      const uint32_t index = scene.geometry.index[primitive.first_index + k];
+      return glm::dvec3(world * glm::dvec4(scene.geometry.position[primitive.vertex_offset + index], 1));
+    };
+    for (uint32_t k = 0; k < primitive.index_count; k += 3) {
+      sum += glm::length(glm::cross(corner(k + 1) - corner(k), corner(k + 2) - corner(k))) / 2;
+    }
+  }
+  return sum;
+}
+
+// Debian's assimp-testmodels, where installed: every file loads, or is refused with a reason.
+TEST(AssimpModels, LoadOrAreRefused) {
+  const std::filesystem::path folder = "/usr/share/assimp/models/glTF2";
+  std::error_code missing;
+  if (!std::filesystem::exists(folder, missing)) GTEST_SKIP() << "assimp-testmodels is not installed";
+  int loaded = 0, refused = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".gltf" && entry.path().extension() != ".glb") continue;
+    (test::load_error(entry.path()).empty() ? loaded : refused)++;
+  }
+  EXPECT_GE(loaded, 20);
+  EXPECT_GE(refused, 10);
+  const Scene plain = load_gltf(folder / "2CylinderEngine-glTF-Binary/2CylinderEngine.glb");
+  const Scene draco = load_gltf(folder / "draco/2CylinderEngine.gltf");
+  // Draco drops triangles without an area, so areas are compared and not counts.
+  EXPECT_NEAR(surface(draco) / surface(plain), 1, 1e-3);
+  EXPECT_LT(glm::distance(plain.bounds.max, draco.bounds.max), 0.1f);
+  check_tables(draco);
+}
+
 }  // namespace

@@ -2,3 +2,9 @@
 add_executable(yardstick bench/yardstick.cpp)
 target_link_libraries(yardstick PRIVATE nf_passes nf_options)
 target_compile_definitions(yardstick PRIVATE NF_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+# Where Google Benchmark is (Debian's libbenchmark-dev).
+find_package(benchmark QUIET)
+if(benchmark_FOUND)
+  add_executable(culling_bench bench/culling_bench.cpp)
+  target_link_libraries(culling_bench PRIVATE nf_scene benchmark::benchmark nf_options)
+endif()
