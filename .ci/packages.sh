@@ -10,8 +10,8 @@ build_packages=(
   libopenexr-dev libpng-dev libstb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev
   libgtest-dev
 )
-# Only `test.sh --all` needs these.
-check_packages=(clang clang-format)
+# Only `test.sh --all` needs these: a second compiler, and what optional tests and benchmarks use.
+check_packages=(clang clang-format libbenchmark-dev assimp-testmodels)
 
 say() { printf '%s\n' "== $*"; }
 die() {

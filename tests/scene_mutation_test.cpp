@@ -34,6 +34,10 @@ void release(void* block) {
 void* operator new(size_t size) {
   return counted(std::malloc(size));
 }
+void* operator new(size_t size, const std::nothrow_t&) noexcept {
+  void* block = std::malloc(size);
+  return block ? counted(block) : nullptr;
+}
 void* operator new(size_t size, std::align_val_t alignment) {
   const size_t a = size_t(alignment);
   return counted(std::aligned_alloc(a, (size + a - 1) / a * a));
@@ -42,6 +46,9 @@ void operator delete(void* block) noexcept {
   release(block);
 }
 void operator delete(void* block, size_t) noexcept {
+  release(block);
+}
+void operator delete(void* block, const std::nothrow_t&) noexcept {
   release(block);
 }
 void operator delete(void* block, std::align_val_t) noexcept {

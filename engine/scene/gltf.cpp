@@ -93,8 +93,7 @@ void warn_ignored(Importer& importer) {
 
 Scene import_scene(const std::filesystem::path& path) {
   Source source = load_source(path);
-  Budget budget;
-  budget.limit = (uint64_t(64) << 20) + 128 * source.bytes;
+  Budget budget(source.bytes);
   decompress(source, budget);
   decompress_draco(source, budget);
   strip(source.document);

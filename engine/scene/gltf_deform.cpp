@@ -17,15 +17,18 @@ struct Influence {
 
 // The four largest weights, scaled to a sum of 1; the first joint alone where there are none.
 void keep_four(std::vector<Influence>& influences, glm::u16vec4& joint, vec4& weight) {
-  std::stable_sort(influences.begin(), influences.end(),
-                   [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+  const size_t kept = std::min<size_t>(influences.size(), 4);
+  std::partial_sort(influences.begin(), influences.begin() + std::ptrdiff_t(kept), influences.end(),
+                    [](const Influence& a, const Influence& b) {
+                      return a.weight != b.weight ? a.weight > b.weight : a.joint < b.joint;
+                    });
   float sum = 0;
-  for (size_t i = 0; i < std::min<size_t>(influences.size(), 4); ++i) sum += influences[i].weight;
+  for (size_t i = 0; i < kept; ++i) sum += influences[i].weight;
   joint = glm::u16vec4(0);
   weight = vec4(1, 0, 0, 0);
   if (!(sum > 0)) return;
   for (int i = 0; i < 4; ++i) {
-    const Influence influence = size_t(i) < influences.size() ? influences[size_t(i)] : Influence{};
+    const Influence influence = size_t(i) < kept ? influences[size_t(i)] : Influence{};
     weight[i] = influence.weight / sum;
     // Joints without a weight may be anything in a file.
     joint[i] = influence.weight > 0 ? influence.joint : uint16_t(0);

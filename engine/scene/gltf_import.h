@@ -2,6 +2,7 @@
 // which load_gltf turns into the one-line nf::Error.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <map>
@@ -50,13 +51,14 @@ struct Source {
   uint64_t bytes = 0;  // of all files read
 };
 
-// Bounds what a file may make us allocate: a small multiple of its own size.
+// Bounds what a file may make us allocate: in all a multiple of its own size, at once a small one.
 struct Budget {
-  uint64_t limit = 0, used = 0;
+  uint64_t limit = 0, at_once = 0, used = 0;
+  explicit Budget(uint64_t file_bytes)
+      : limit((uint64_t(64) << 20) + 128 * file_bytes), at_once((uint64_t(256) << 20) + 4 * file_bytes) {}
   void take(uint64_t bytes, const char* what) {
-    if (bytes > limit - used) {
-      refuse("its {} need more than {} MiB, far more than its size explains", what, limit >> 20);
-    }
+    const uint64_t most = std::min(limit - used, at_once);
+    if (bytes > most) refuse("its {} need more than {} MiB, far more than its size explains", what, most >> 20);
     used += bytes;
   }
 };
