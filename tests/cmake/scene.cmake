@@ -1,4 +1,4 @@
-foreach(name scene_test scene_node_test scene_surface_test scene_motion_test view_test bad_scene_test bad_scene_file_test)
+foreach(name scene_test scene_node_test scene_surface_test scene_motion_test scene_models_test view_test bad_scene_test bad_scene_file_test)
   nf_test(${name} nf_scene LABELS cpu)
 endforeach()
 # These make compressed files with the libraries' own encoders.
