@@ -309,7 +309,7 @@ void add_plants(Builder& b, const AtriumMaterials& m) {
       for (const float side : {-1.0f, 1.0f}) {
         if (uint32_t(i + (side > 0 ? 1 : 0)) % 3 != kind) continue;
         const vec3 at(float(i) * bay - half_length + 0.1f * side, 0, side * (half_court - 0.78f));
-        const float size = 0.95f + 0.25f * float((i * 5 + kind * 3) % 4) / 4;
+        const float size = 0.95f + 0.25f * float((uint32_t(i) * 5 + kind * 3) % 4) / 4;
         places.push_back({at, turned_y(float(i) * 77 + side * 40), vec3(size)});
         if (i % 2 == 0) {
           places.push_back({at + vec3(0.1f, floor2, side * 1.75f), turned_y(float(i) * 31), vec3(0.8f)});

@@ -141,13 +141,15 @@ void draft_streams(Importer& importer, const AttributeSource& source, uint32_t n
   }
   const unsigned packed = as_float | as_u8 | as_u16;
   bool broken = false;
-  for (const auto& [name, stream] : {std::pair("TEXCOORD_0", &draft.uv0), std::pair("TEXCOORD_1", &draft.uv1)}) {
-    stream->assign(draft.vertex_count, vec2(0));
+  const auto read_uvs = [&](const char* name, std::vector<vec2>& stream) {
+    stream.assign(draft.vertex_count, vec2(0));
     read(name, packed | quantized, 2, 2, [&](size_t i, const vec4& value) {
-      if (finite(value)) (*stream)[i] = vec2(value);
+      if (finite(value)) stream[i] = vec2(value);
       broken |= !finite(value);
     });
-  }
+  };
+  read_uvs("TEXCOORD_0", draft.uv0);
+  read_uvs("TEXCOORD_1", draft.uv1);
   draft.color.assign(draft.vertex_count, vec4(1));
   read("COLOR_0", packed, 3, 4, [&](size_t i, const vec4& value) {
     if (finite(value)) draft.color[i] = value;
