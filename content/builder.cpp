@@ -44,14 +44,28 @@ PictureId Builder::picture(std::string name, const image::Image8& picture) {
   return {uint16_t(pictures_.size() - 1)};
 }
 
-void Builder::object(std::string name, const Placement& placement) {
-  objects_.push_back({std::move(name), placement, {}});
+void Builder::check(ObjectId object) const {
+  NF_CHECK(object.id < objects_.size(), "unknown object {}", object.id);
+}
+
+ObjectId Builder::object(std::string name, const Placement& placement, ObjectId parent) {
+  if (parent) check(parent);
+  current_ = objects_.size();
+  objects_.push_back({std::move(name), placement, {}, parent, {}});
+  return {uint16_t(current_)};
+}
+
+ObjectId Builder::copy(std::string name, ObjectId of, const Placement& placement, ObjectId parent) {
+  check(of);
+  if (parent) check(parent);
+  objects_.push_back({std::move(name), placement, {}, parent, of});
+  return {uint16_t(objects_.size() - 1)};
 }
 
 Primitive& Builder::primitive(MaterialId material) {
   NF_CHECK(material.id < materials_.size(), "unknown material {}", material.id);
   if (objects_.empty()) object("object");
-  auto& primitives = objects_.back().primitives;
+  auto& primitives = objects_[current_].primitives;
   for (Primitive& primitive : primitives) {
     if (primitive.material == material) return primitive;
   }
@@ -164,13 +178,36 @@ void Builder::directional_light(vec3 direction, float irradiance, vec3 color) {
   lights_.push_back({LightKind::Directional, {.rotation = rotation_towards(direction, {0, 1, 0})}, irradiance, color});
 }
 
-void Builder::point_light(vec3 position, float intensity, vec3 color) {
-  lights_.push_back({LightKind::Point, {.translation = position}, intensity, color});
+void Builder::point_light(vec3 position, float intensity, vec3 color, ObjectId parent) {
+  if (parent) check(parent);
+  lights_.push_back({LightKind::Point, {.translation = position}, intensity, color, 0, 0, parent});
 }
 
 void Builder::spot_light(vec3 position, vec3 direction, float intensity, float inner_deg, float outer_deg, vec3 color) {
   const Placement placement{.translation = position, .rotation = rotation_towards(direction, {0, 1, 0})};
   lights_.push_back({LightKind::Spot, placement, intensity, color, glm::radians(inner_deg), glm::radians(outer_deg)});
+}
+
+void Builder::animate_translation(ObjectId object, const std::vector<float>& times, const std::vector<vec3>& values) {
+  check(object);
+  NF_CHECK(times.size() == values.size() && !times.empty(), "{} times, {} values", times.size(), values.size());
+  Track track{object, false, times, {}};
+  for (const vec3& v : values) track.values.insert(track.values.end(), {v.x, v.y, v.z});
+  tracks_.push_back(std::move(track));
+}
+
+void Builder::animate_rotation(ObjectId object, const std::vector<float>& times, const std::vector<quat>& values) {
+  check(object);
+  NF_CHECK(times.size() == values.size() && !times.empty(), "{} times, {} values", times.size(), values.size());
+  Track track{object, true, times, {}};
+  for (const quat& q : values) track.values.insert(track.values.end(), {q.x, q.y, q.z, q.w});
+  tracks_.push_back(std::move(track));
+}
+
+void Builder::skin(ObjectId object, const std::vector<ObjectId>& joints, const std::function<JointPair(vec3)>& pair) {
+  check(object);
+  for (const ObjectId joint : joints) check(joint);
+  skins_.push_back({object, joints, pair});
 }
 
 void Builder::save(const std::filesystem::path& path) const {

@@ -18,6 +18,9 @@ int main(int argc, char** argv) {
     nf::image::write_file(folder / "cornell.glb", nf::content::cornell());
     nf::image::write_file(folder / "fence.glb", nf::content::fence());
     nf::image::write_file(folder / "furnace.glb", nf::content::furnace());
+    nf::image::write_file(folder / "atrium.glb", nf::content::atrium());
+    const std::string view = nf::content::atrium_view();
+    nf::image::write_file(folder / "atrium.json", {reinterpret_cast<const uint8_t*>(view.data()), view.size()});
   } catch (const nf::Error& e) {
     std::fprintf(stderr, "error: %s\n", e.what());
     return int(e.exit());

@@ -1,7 +1,9 @@
 // The builder's tables as a GLB file: one JSON chunk, one binary chunk, a buffer view an accessor or picture.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
 #include "builder.h"
@@ -14,7 +16,10 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 // glTF's numbers for what WebGL calls them.
-constexpr int component_float = 5126, component_uint32 = 5125, target_vertices = 34962, target_indices = 34963;
+constexpr int component_float = 5126, component_uint32 = 5125, component_uint16 = 5123, target_vertices = 34962,
+              target_indices = 34963;
+
+constexpr size_t none = ~size_t(0);
 
 // The shortest text that reads back as this float, instead of the longer one of the double it converts to.
 double number(float value) {
@@ -54,7 +59,9 @@ class Writer {
     add_objects();
     add_cameras();
     add_lights();
-    for (size_t i = 0; i < json_["nodes"].size(); ++i) json_["scenes"][0]["nodes"].push_back(i);
+    add_parents();
+    add_skins();
+    add_tracks();
     if (json_["nodes"].empty()) json_.erase("nodes");
     if (!extensions_.empty()) json_["extensionsUsed"] = extensions_;
     if (!binary_.empty()) json_["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
@@ -140,7 +147,7 @@ class Writer {
     return json_["nodes"].emplace_back(std::move(node));
   }
 
-  Json primitive_json(const Primitive& primitive) {
+  Json primitive_json(const Primitive& primitive, const Builder::Skin* skin) {
     const size_t position = accessor(primitive.position, component_float, "VEC3", target_vertices);
     vec3 low = primitive.position[0], high = low;
     for (const vec3& p : primitive.position) low = glm::min(low, p), high = glm::max(high, p);
@@ -151,20 +158,100 @@ class Writer {
                     {"TEXCOORD_0", accessor(primitive.uv, component_float, "VEC2", target_vertices)}};
     if (builder_.materials_[primitive.material.id].normal_picture)
       attributes["TANGENT"] = accessor(primitive.tangent, component_float, "VEC4", target_vertices);
+    if (skin) {
+      std::vector<std::array<uint16_t, 4>> joints;
+      std::vector<vec4> weights;
+      for (const vec3& p : primitive.position) {
+        const JointPair pair = skin->pair(p);
+        joints.push_back({uint16_t(pair.first), uint16_t(pair.blend > 0 ? pair.second : 0), 0, 0});
+        weights.emplace_back(1 - pair.blend, pair.blend, 0, 0);
+      }
+      attributes["JOINTS_0"] = accessor(joints, component_uint16, "VEC4", target_vertices);
+      attributes["WEIGHTS_0"] = accessor(weights, component_float, "VEC4", target_vertices);
+    }
     return {{"attributes", attributes},
             {"indices", accessor(primitive.index, component_uint32, "SCALAR", target_indices)},
             {"material", primitive.material.id}};
   }
 
   void add_objects() {
-    for (const auto& object : builder_.objects_) {
+    std::vector<size_t> mesh_rows(builder_.objects_.size(), none);
+    for (size_t i = 0; i < builder_.objects_.size(); ++i) {
+      const Builder::Object& object = builder_.objects_[i];
       Json& node = add_node(object.placement, object.name);
+      if (object.mesh_of) {
+        if (mesh_rows[object.mesh_of.id] != none) node["mesh"] = mesh_rows[object.mesh_of.id];
+        continue;
+      }
       if (object.primitives.empty()) continue;
+      const auto skin = std::ranges::find(builder_.skins_, ObjectId{uint16_t(i)}, &Builder::Skin::object);
       Json primitives = Json::array();
-      for (const Primitive& primitive : object.primitives) primitives.push_back(primitive_json(primitive));
+      for (const Primitive& primitive : object.primitives) {
+        primitives.push_back(primitive_json(primitive, skin == builder_.skins_.end() ? nullptr : &*skin));
+      }
       json_["meshes"].push_back({{"name", object.name}, {"primitives", primitives}});
-      node["mesh"] = json_["meshes"].size() - 1;
+      node["mesh"] = mesh_rows[i] = json_["meshes"].size() - 1;
     }
+  }
+
+  // Objects come first among the nodes, so an object's row is its node. Cameras and lights have no children.
+  void add_parents() {
+    std::vector<size_t> parent(json_["nodes"].size(), none);
+    for (size_t i = 0; i < builder_.objects_.size(); ++i) {
+      if (builder_.objects_[i].parent) parent[i] = builder_.objects_[i].parent.id;
+    }
+    const size_t first_light = json_["nodes"].size() - builder_.lights_.size();
+    for (size_t i = 0; i < builder_.lights_.size(); ++i) {
+      if (builder_.lights_[i].parent) parent[first_light + i] = builder_.lights_[i].parent.id;
+    }
+    for (size_t i = 0; i < parent.size(); ++i) {
+      Json& list = parent[i] == none ? json_["scenes"][0]["nodes"] : json_["nodes"][parent[i]]["children"];
+      list.push_back(i);
+    }
+  }
+
+  glm::mat4 world_of(size_t object) const {
+    glm::mat4 world(1);
+    for (ObjectId at{uint16_t(object)}; at; at = builder_.objects_[at.id].parent) {
+      const Placement& p = builder_.objects_[at.id].placement;
+      const glm::mat4 local = glm::translate(glm::mat4(1), p.translation) * glm::mat4_cast(p.rotation);
+      world = glm::scale(local, p.scale) * world;
+    }
+    return world;
+  }
+
+  void add_skins() {
+    for (const Builder::Skin& skin : builder_.skins_) {
+      std::vector<glm::mat4> inverse;
+      Json joints = Json::array();
+      for (const ObjectId joint : skin.joints) {
+        inverse.push_back(glm::inverse(world_of(joint.id)));
+        // Inverting leaves rounding in the row that has to be exact.
+        for (int column = 0; column < 4; ++column) inverse.back()[column][3] = column == 3 ? 1.0f : 0.0f;
+        joints.push_back(joint.id);
+      }
+      const size_t matrices = accessor(inverse, component_float, "MAT4", 0);
+      json_["skins"].push_back({{"inverseBindMatrices", matrices}, {"joints", joints}});
+      json_["nodes"][skin.object.id]["skin"] = json_["skins"].size() - 1;
+    }
+  }
+
+  // All tracks make one clip.
+  void add_tracks() {
+    if (builder_.tracks_.empty()) return;
+    Json channels = Json::array(), samplers = Json::array();
+    for (const Builder::Track& track : builder_.tracks_) {
+      const size_t input = accessor(track.times, component_float, "SCALAR", 0);
+      json_["accessors"][input]["min"] = Json::array({number(track.times.front())});
+      json_["accessors"][input]["max"] = Json::array({number(track.times.back())});
+      const size_t output = accessor(track.values, component_float, track.rotation ? "VEC4" : "VEC3", 0);
+      json_["accessors"][output]["count"] = track.times.size();
+      channels.push_back(
+          {{"sampler", samplers.size()},
+           {"target", {{"node", track.object.id}, {"path", track.rotation ? "rotation" : "translation"}}}});
+      samplers.push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+    }
+    json_["animations"] = Json::array({{{"name", "all"}, {"channels", channels}, {"samplers", samplers}}});
   }
 
   void add_cameras() {

@@ -26,8 +26,11 @@ std::vector<uint8_t> cornell() {
   // Places and angles are those of the measured box (Cornell University, 1998), its 555 mm scaled to 2 m.
   b.object("tall");
   b.box({-0.326f, 0.595f, -0.265f}, {0.298f, 0.595f, 0.298f}, glm::radians(17.2f), white);
-  b.object("short");
+  const ObjectId low = b.object("short");
   b.box({0.333f, 0.297f, 0.391f}, {0.3f, 0.297f, 0.3f}, glm::radians(-17.0f), white);
+  // Slides towards the front and back, and rises a little on its way.
+  b.animate_translation(low, {0, 1, 2, 3, 4},
+                        {vec3(0), {-0.15f, 0.1f, 0.1f}, {-0.45f, 0, 0.2f}, {-0.2f, 0.1f, 0.1f}, vec3(0)});
   b.object("lamp");
   b.quad({-0.25f, 1.99f, -0.25f}, {0.25f, 1.99f, -0.25f}, {0.25f, 1.99f, 0.25f}, {-0.25f, 1.99f, 0.25f}, lamp);
 
@@ -65,7 +68,9 @@ std::vector<uint8_t> fence() {
   for (float y : {0.2f, 1.05f}) {
     b.box({0, y, before_wall - radius - 0.01f}, {0.5f * bars * spacing, 0.02f, 0.01f}, 0, iron);
   }
-  b.object("card", {.translation = {0.95f, 0, 0.75f}, .rotation = glm::angleAxis(glm::radians(-25.0f), vec3(0, 1, 0))});
+  const auto turned = [](float degrees) { return glm::angleAxis(glm::radians(degrees), vec3(0, 1, 0)); };
+  const ObjectId card = b.object("card", {.translation = {0.95f, 0, 0.75f}, .rotation = turned(-25)});
+  b.animate_rotation(card, {0, 1, 2, 3, 4}, {turned(-25), turned(0), turned(-25), turned(-50), turned(-25)});
   b.quad({-0.4f, 0, 0}, {0.4f, 0, 0}, {0.4f, 0.8f, 0}, {-0.4f, 0.8f, 0}, leaves);
 
   b.directional_light({0.45f, -0.8f, -0.65f}, 3);

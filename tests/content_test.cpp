@@ -161,6 +161,7 @@ TEST(Content, same_bytes_twice) {
   EXPECT_EQ(cornell(), cornell());
   EXPECT_EQ(fence(), fence());
   EXPECT_EQ(furnace(), furnace());
+  EXPECT_EQ(atrium(), atrium());
 }
 
 TEST(Content, the_build_wrote_the_scenes) {
@@ -169,6 +170,7 @@ TEST(Content, the_build_wrote_the_scenes) {
   EXPECT_EQ(image::read_file(folder / "cornell.glb"), cornell());
   EXPECT_EQ(image::read_file(folder / "fence.glb"), fence());
   EXPECT_EQ(image::read_file(folder / "furnace.glb"), furnace());
+  EXPECT_EQ(image::read_file(folder / "atrium.glb"), atrium());
 }
 
 TEST(Content, cornell_box) {

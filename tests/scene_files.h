@@ -180,6 +180,13 @@ inline json& quad_primitive(Gltf& file) {
   return file.doc["meshes"][0]["primitives"][0];
 }
 
+// Normals in the file keep its vertices as they are; without them triangles are drawn apart.
+inline void add_normals(Gltf& file, int row = 0) {
+  json& attributes = file.doc["meshes"][size_t(row)]["primitives"][0]["attributes"];
+  const size_t count = file.doc["accessors"][attributes["POSITION"].get<size_t>()]["count"];
+  attributes["NORMAL"] = file.positions(std::vector<glm::vec3>(count, {0, 0, 1}));
+}
+
 // Makes an image the base colour of the quad.
 inline void add_picture(Gltf& file, const json& image) {
   quad_primitive(file)["material"] = 0;

@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "scene/gltf_import.h"
 #include "scene/text.h"
+#include "scene/update.h"
 
 namespace nf::scene {
 
@@ -79,18 +80,35 @@ void check_extent(const Scene& scene) {
   }
 }
 
+// One warning for each extension that is left out.
+void warn_ignored(Importer& importer) {
+  const nlohmann::json& document = importer.source.document;
+  if (!document.contains("extensionsUsed")) return;
+  for (const nlohmann::json& entry : document["extensionsUsed"]) {
+    const std::string& name = entry.get_ref<const std::string&>();
+    if (name == "KHR_mesh_quantization") importer.quantized = true;
+    if (!is_supported(name)) importer.warn_once(fmt::format("the extension {} is ignored", one_line(name)));
+  }
+}
+
 Scene import_scene(const std::filesystem::path& path) {
   Source source = load_source(path);
+  Budget budget(source.bytes);
+  decompress(source, budget);
+  decompress_draco(source, budget);
+  strip(source.document);
   const tinygltf::Model model = parse_model(source);
   Scene scene;
   scene.path = source.path;
-  Importer importer{model, source, scene, {}, {}, {}, {}, {}};
-  importer.budget.limit = (uint64_t(64) << 20) + 128 * source.bytes;
+  Importer importer{.model = model, .source = source, .scene = scene, .budget = budget};
+  warn_ignored(importer);
   import_materials(importer);
   const std::vector<uint32_t> file_node = import_nodes(importer);
   if (scene.triangles() == 0) refuse("it has no triangles");
+  import_animations(importer);
+  // Twice, so that what was before is what is now.
   update_transforms(scene);
-  scene.nodes.previous_world = scene.nodes.world;
+  update(scene);
   check_extent(scene);
   import_cameras(importer, file_node);
   import_lights(importer, file_node);

@@ -1,7 +1,9 @@
 // Checked reading of accessors. Data may be unaligned, interleaved or sparse; everything is copied out byte by byte.
 #include "scene/gltf_accessor.h"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 namespace nf::scene::gltf {
 
@@ -16,11 +18,11 @@ struct ComponentInfo {
 ComponentInfo component_info(int type) {
   switch (type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return {0, 1, "i8"};
+      return {as_i8, 1, "i8"};
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
       return {as_u8, 1, "u8"};
     case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return {0, 2, "i16"};
+      return {as_i16, 2, "i16"};
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
       return {as_u16, 2, "u16"};
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
@@ -32,7 +34,7 @@ ComponentInfo component_info(int type) {
   }
 }
 
-// 0 for the matrices, which no attribute we read has.
+// 0 for the small matrices, which nothing we read has.
 int component_count(int type) {
   switch (type) {
     case TINYGLTF_TYPE_SCALAR:
@@ -43,6 +45,8 @@ int component_count(int type) {
       return 3;
     case TINYGLTF_TYPE_VEC4:
       return 4;
+    case TINYGLTF_TYPE_MAT4:
+      return 16;
     default:
       return 0;
   }
@@ -80,7 +84,7 @@ Elements open_view(const Importer& importer, int view_row, uint64_t offset, uint
   if (count > fits) {
     refuse("{} needs {} elements of {} bytes, but its buffer view has room for {}", what, count, size, fits);
   }
-  return {buffer.data() + view.byteOffset + (count ? offset : 0), stride, size_t(count), 0, 0};
+  return {buffer.data() + view.byteOffset + (count ? offset : 0), stride, size_t(count), 0, 0, false};
 }
 
 void apply_sparse(const Importer& importer, const tinygltf::Accessor& accessor, size_t size,
@@ -135,12 +139,13 @@ Elements open_accessor(Importer& importer, int row, unsigned allowed, int min_co
   const size_t size = info.size * size_t(components);
   Elements elements;
   if (accessor.sparse.isSparse || accessor.bufferView < 0) {
-    elements = {written_out(importer, row, size, what).data(), size, accessor.count, 0, 0};
+    elements = {written_out(importer, row, size, what).data(), size, accessor.count, 0, 0, false};
   } else {
     elements = open_view(importer, accessor.bufferView, accessor.byteOffset, accessor.count, size, true, what);
   }
   elements.component_type = accessor.componentType;
   elements.components = components;
+  elements.normalized = accessor.normalized;
   return elements;
 }
 
@@ -152,22 +157,47 @@ std::vector<uint32_t> read_indices(const Elements& elements) {
   return indices;
 }
 
-vec4 read_float4(const Elements& elements, size_t row) {
+float read_float(const Elements& elements, size_t row, int component) {
   const uint8_t* bytes = elements.data + row * elements.stride;
-  vec4 value(1);
-  for (int i = 0; i < elements.components; ++i) {
-    switch (elements.component_type) {
-      case TINYGLTF_COMPONENT_TYPE_FLOAT:
-        value[i] = load<float>(bytes + size_t(i) * 4);
-        break;
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-        value[i] = float(load<uint16_t>(bytes + size_t(i) * 2)) / 65535;
-        break;
-      default:
-        value[i] = float(bytes[i]) / 255;
-        break;
-    }
+  const auto integer = [&]<class T>(T) {
+    const float value = float(load<T>(bytes + size_t(component) * sizeof(T)));
+    if (!elements.normalized) return value;
+    // The most negative integer would fall below -1.
+    return std::max(value / float(std::numeric_limits<T>::max()), -1.f);
+  };
+  switch (elements.component_type) {
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return load<float>(bytes + size_t(component) * 4);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return integer(uint16_t());
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return integer(int16_t());
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return integer(int8_t());
+    default:
+      return integer(uint8_t());
   }
+}
+
+vec4 read_float4(const Elements& elements, size_t row) {
+  vec4 value(1);
+  for (int i = 0; i < elements.components; ++i) value[i] = read_float(elements, row, i);
+  return value;
+}
+
+glm::u16vec4 read_u16vec4(const Elements& elements, size_t row) {
+  const uint8_t* bytes = elements.data + row * elements.stride;
+  const size_t size = component_info(elements.component_type).size;
+  glm::u16vec4 value(0);
+  for (int i = 0; i < elements.components; ++i) {
+    value[i] = uint16_t(load_unsigned(bytes + size_t(i) * size, elements.component_type));
+  }
+  return value;
+}
+
+mat4 read_mat4(const Elements& elements, size_t row) {
+  mat4 value;
+  for (int i = 0; i < 16; ++i) value[i / 4][i % 4] = read_float(elements, row, i);
   return value;
 }
 

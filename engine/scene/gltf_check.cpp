@@ -1,100 +1,15 @@
 // The structure of a glTF document, checked before tinygltf sees it: tinygltf takes a default for what has the wrong
 // type and drops what it cannot parse, silently. After this, every index is a row and every number is finite.
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <string_view>
+#include "scene/gltf_check.h"
 
-#include "core/log.h"
-#include "scene/gltf_import.h"
-#include "scene/text.h"
+#include <algorithm>
+#include <string_view>
 
 namespace nf::scene::gltf {
 
 namespace {
 
 using nlohmann::json;
-
-constexpr int64_t no_limit = int64_t(1) << 53;  // beyond it JSON numbers lose whole values
-
-// A JSON object with its path in the document.
-struct At {
-  const json& value;
-  std::string path;
-
-  std::string key(const char* name) const { return path.empty() ? name : path + "." + name; }
-  bool has(const char* name) const { return value.contains(name); }
-
-  void require(const char* name) const {
-    if (!has(name)) refuse("{} is missing", key(name));
-  }
-
-  void integer(const char* name, int64_t least, int64_t most) const {
-    if (has(name)) check_integer(value[name], key(name), least, most);
-  }
-  static void check_integer(const json& number, const std::string& where, int64_t least, int64_t most) {
-    if (!number.is_number_integer()) refuse("{} is not a whole number", where);
-    const bool huge = number.is_number_unsigned() && number.get<uint64_t>() > uint64_t(no_limit);
-    if (huge || number.get<int64_t>() < least || number.get<int64_t>() > most) {
-      refuse("{} is {}, which is out of range", where, number.dump());
-    }
-  }
-
-  // A row of a section of the document.
-  void index(const char* name, const char* section, size_t rows) const {
-    if (has(name)) check_index(value[name], key(name), section, rows);
-  }
-  static void check_index(const json& number, const std::string& where, const char* section, size_t rows) {
-    if (!number.is_number_integer()) refuse("{} is not a whole number", where);
-    const bool inside = number.is_number_unsigned() && number.get<uint64_t>() < rows;
-    if (!inside) refuse("{} is {}, but the file has {} {}", where, number.dump(), rows, section);
-  }
-
-  void number(const char* name) const {
-    if (has(name)) check_number(value[name], key(name));
-  }
-  static void check_number(const json& number, const std::string& where) {
-    if (!number.is_number()) refuse("{} is not a number", where);
-    if (!(std::abs(number.get<double>()) <= double(std::numeric_limits<float>::max()))) {
-      refuse("{} is not a finite number", where);
-    }
-  }
-
-  void numbers(const char* name, size_t count) const {
-    if (!has(name)) return;
-    const json& list = value[name];
-    if (!list.is_array() || list.size() != count) refuse("{} is not a list of {} numbers", key(name), count);
-    for (const json& element : list) check_number(element, key(name));
-  }
-
-  void text(const char* name) const {
-    if (has(name) && !value[name].is_string()) refuse("{} is not a text", key(name));
-  }
-  void flag(const char* name) const {
-    if (has(name) && !value[name].is_boolean()) refuse("{} is neither true nor false", key(name));
-  }
-
-  // Calls `check` with the member, which must be an object, when it is there.
-  template <class Check>
-  void object(const char* name, const Check& check) const {
-    if (!has(name)) return;
-    if (!value[name].is_object()) refuse("{} is not an object", key(name));
-    check(At{value[name], key(name)});
-  }
-  template <class Check>
-  void objects(const char* name, const Check& check) const {
-    if (!has(name)) return;
-    if (!value[name].is_array()) refuse("{} is not a list", key(name));
-    for (size_t i = 0; i < value[name].size(); ++i) {
-      const json& element = value[name][i];
-      std::string where = fmt::format("{}[{}]", key(name), i);
-      if (!element.is_object()) refuse("{} is not an object", where);
-      check(At{element, std::move(where)});
-    }
-  }
-
-  size_t rows(const char* name) const { return has(name) && value[name].is_array() ? value[name].size() : 0; }
-};
 
 void check_asset(const At& root) {
   if (!root.value.is_object() || !root.has("asset") || !root.value["asset"].is_object()) {
@@ -111,6 +26,11 @@ void check_asset(const At& root) {
   }
 }
 
+constexpr std::string_view supported[] = {
+    "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_ior",     "KHR_materials_specular",
+    "KHR_materials_unlit",     "KHR_materials_variants",          "KHR_mesh_quantization", "KHR_texture_transform",
+    "EXT_meshopt_compression", "KHR_draco_mesh_compression"};
+
 void check_extensions(const At& root) {
   for (const char* list : {"extensionsRequired", "extensionsUsed"}) {
     if (!root.has(list)) continue;
@@ -118,22 +38,30 @@ void check_extensions(const At& root) {
     for (const json& entry : root.value[list]) {
       if (!entry.is_string()) refuse("{} holds something that is not a text", list);
       const std::string& name = entry.get_ref<const std::string&>();
-      if (name == "KHR_lights_punctual" || name == "KHR_materials_emissive_strength") continue;
-      if (list == std::string_view("extensionsRequired")) {
+      if (list == std::string_view("extensionsRequired") && !is_supported(name)) {
         refuse_advising("export it again without that extension",
                         "it requires the extension {}, which is not supported", one_line(name));
       }
-      log::debug("the extension {} is ignored", one_line(name));
     }
   }
 }
 
-void check_data(const At& root) {
+// A range of bytes must end inside its buffer.
+void check_end(const At& root, const At& range) {
+  const json& buffer = root.value["buffers"][range.value["buffer"].get<size_t>()];
+  const uint64_t end = range.value.value("byteOffset", uint64_t(0)) + range.value["byteLength"].get<uint64_t>();
+  if (end > buffer["byteLength"].get<uint64_t>()) {
+    refuse("{} ends at byte {} of a buffer of {}", range.path, end, buffer["byteLength"].get<uint64_t>());
+  }
+}
+
+void check_buffers(const At& root) {
   root.objects("buffers", [](const At& buffer) {
     buffer.text("name");
     buffer.text("uri");
     buffer.require("byteLength");
     buffer.integer("byteLength", 1, no_limit);
+    buffer.extension("EXT_meshopt_compression", [](const At& extension) { extension.flag("fallback"); });
   });
   root.objects("bufferViews", [&](const At& view) {
     view.require("buffer");
@@ -142,12 +70,22 @@ void check_data(const At& root) {
     view.integer("byteLength", 1, no_limit);
     view.integer("byteOffset", 0, no_limit);
     view.integer("byteStride", 4, 252);
-    const json& buffer = root.value["buffers"][view.value["buffer"].get<size_t>()];
-    const uint64_t end = view.value.value("byteOffset", uint64_t(0)) + view.value["byteLength"].get<uint64_t>();
-    if (end > buffer["byteLength"].get<uint64_t>()) {
-      refuse("{} ends at byte {} of a buffer of {}", view.path, end, buffer["byteLength"].get<uint64_t>());
-    }
+    check_end(root, view);
+    view.extension("EXT_meshopt_compression", [&](const At& packed) {
+      for (const char* name : {"buffer", "byteLength", "byteStride", "count", "mode"}) packed.require(name);
+      packed.index("buffer", "buffers", root.rows("buffers"));
+      packed.integer("byteLength", 1, no_limit);
+      packed.integer("byteOffset", 0, no_limit);
+      packed.integer("byteStride", 1, 256);
+      packed.integer("count", 1, std::numeric_limits<uint32_t>::max());
+      packed.word("mode", {"ATTRIBUTES", "TRIANGLES", "INDICES"});
+      packed.word("filter", {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"});
+      check_end(root, packed);
+    });
   });
+}
+
+void check_accessors(const At& root) {
   static constexpr std::string_view types[] = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
   root.objects("accessors", [&](const At& accessor) {
     accessor.index("bufferView", "bufferViews", root.rows("bufferViews"));
@@ -179,21 +117,51 @@ void check_data(const At& root) {
   });
 }
 
+void check_attributes(const At& root, const At& attributes) {
+  for (const auto& [name, accessor] : attributes.value.items()) {
+    At::check_index(accessor, attributes.key(one_line(name).c_str()), "accessors", root.rows("accessors"));
+  }
+}
+
+void check_primitive(const At& root, const At& primitive, size_t variants) {
+  primitive.integer("mode", 0, 6);
+  primitive.index("indices", "accessors", root.rows("accessors"));
+  primitive.index("material", "materials", root.rows("materials"));
+  primitive.require("attributes");
+  primitive.object("attributes", [&](const At& attributes) { check_attributes(root, attributes); });
+  primitive.objects("targets", [&](const At& target) { check_attributes(root, target); });
+  primitive.extension("KHR_draco_mesh_compression", [&](const At& draco) {
+    draco.require("bufferView");
+    draco.index("bufferView", "bufferViews", root.rows("bufferViews"));
+    draco.require("attributes");
+    draco.object("attributes", [&](const At& attributes) {
+      for (const auto& [name, id] : attributes.value.items()) {
+        At::check_integer(id, attributes.key(one_line(name).c_str()), 0, no_limit);
+      }
+    });
+  });
+  primitive.extension("KHR_materials_variants", [&](const At& extension) {
+    extension.require("mappings");
+    extension.objects("mappings", [&](const At& mapping) {
+      mapping.require("material");
+      mapping.index("material", "materials", root.rows("materials"));
+      mapping.require("variants");
+      mapping.indices("variants", "variants", variants);
+    });
+  });
+}
+
 void check_meshes(const At& root) {
+  size_t variants = 0;
+  root.extension("KHR_materials_variants", [&](const At& extension) {
+    variants = extension.rows("variants");
+    extension.objects("variants", [](const At& variant) { variant.text("name"); });
+  });
   root.objects("meshes", [&](const At& mesh) {
     mesh.text("name");
+    mesh.number_list("weights");
     mesh.require("primitives");
-    mesh.objects("primitives", [&](const At& primitive) {
-      primitive.integer("mode", 0, 6);
-      primitive.index("indices", "accessors", root.rows("accessors"));
-      primitive.index("material", "materials", root.rows("materials"));
-      primitive.require("attributes");
-      primitive.object("attributes", [&](const At& attributes) {
-        for (const auto& [name, accessor] : attributes.value.items()) {
-          At::check_index(accessor, attributes.key(one_line(name).c_str()), "accessors", root.rows("accessors"));
-        }
-      });
-    });
+    mesh.objects("primitives", [&](const At& primitive) { check_primitive(root, primitive, variants); });
   });
 }
 
@@ -206,113 +174,31 @@ void check_nodes(const At& root) {
     node.numbers("translation", 3);
     node.numbers("rotation", 4);
     node.numbers("scale", 3);
-    if (node.has("children") && !node.value["children"].is_array()) refuse("{} is not a list", node.key("children"));
-    if (node.has("children")) {
-      for (const json& child : node.value["children"]) {
-        At::check_index(child, node.key("children"), "nodes", root.rows("nodes"));
-      }
-    }
+    node.number_list("weights");
+    node.index("skin", "skins", root.rows("skins"));
+    node.indices("children", "nodes", root.rows("nodes"));
   });
-  root.objects("scenes", [&](const At& scene) {
-    if (!scene.has("nodes")) return;
-    if (!scene.value["nodes"].is_array()) refuse("{} is not a list", scene.key("nodes"));
-    for (const json& node : scene.value["nodes"]) {
-      At::check_index(node, scene.key("nodes"), "nodes", root.rows("nodes"));
-    }
-  });
+  root.objects("scenes", [&](const At& scene) { scene.indices("nodes", "nodes", root.rows("nodes")); });
   root.index("scene", "scenes", root.rows("scenes"));
 }
 
-void check_materials(const At& root) {
-  const auto texture = [&](const At& info) {
-    info.require("index");
-    info.index("index", "textures", root.rows("textures"));
-    info.integer("texCoord", 0, 1000);
-    info.number("scale");
-    info.number("strength");
-  };
-  root.objects("materials", [&](const At& material) {
-    material.text("name");
-    material.object("pbrMetallicRoughness", [&](const At& pbr) {
-      pbr.numbers("baseColorFactor", 4);
-      pbr.number("metallicFactor");
-      pbr.number("roughnessFactor");
-      pbr.object("baseColorTexture", texture);
-      pbr.object("metallicRoughnessTexture", texture);
-    });
-    for (const char* name : {"normalTexture", "occlusionTexture", "emissiveTexture"}) material.object(name, texture);
-    material.numbers("emissiveFactor", 3);
-    material.text("alphaMode");
-    material.number("alphaCutoff");
-    material.flag("doubleSided");
-    material.object("extensions", [](const At& extensions) {
-      extensions.object("KHR_materials_emissive_strength",
-                        [](const At& strength) { strength.number("emissiveStrength"); });
-    });
-  });
-  root.objects("textures", [&](const At& row) {
-    row.index("source", "images", root.rows("images"));
-    row.index("sampler", "samplers", root.rows("samplers"));
-  });
-  root.objects("images", [&](const At& image) {
-    image.text("name");
-    image.text("uri");
-    image.index("bufferView", "bufferViews", root.rows("bufferViews"));
-    if (image.has("uri") == image.has("bufferView")) refuse("{} needs either a uri or a bufferView", image.path);
-  });
-  root.objects("samplers", [](const At& sampler) {
-    for (const char* name : {"magFilter", "minFilter", "wrapS", "wrapT"}) sampler.integer(name, 0, 65535);
-  });
-}
-
-void check_cameras_and_lights(const At& root) {
-  root.objects("cameras", [](const At& camera) {
-    camera.text("name");
-    camera.require("type");
-    camera.text("type");
-    camera.object("perspective", [](const At& perspective) {
-      for (const char* name : {"yfov", "znear", "zfar", "aspectRatio"}) perspective.number(name);
-    });
-  });
-  size_t light_count = 0;
-  root.object("extensions", [&](const At& extensions) {
-    extensions.object("KHR_lights_punctual", [&](const At& extension) {
-      light_count = extension.rows("lights");
-      extension.objects("lights", [](const At& light) {
-        light.text("name");
-        light.require("type");
-        light.text("type");
-        light.numbers("color", 3);
-        light.number("intensity");
-        light.number("range");
-        light.object("spot", [](const At& spot) {
-          spot.number("innerConeAngle");
-          spot.number("outerConeAngle");
-        });
-      });
-    });
-  });
-  root.objects("nodes", [&](const At& node) {
-    node.object("extensions", [&](const At& extensions) {
-      extensions.object("KHR_lights_punctual", [&](const At& use) {
-        use.require("light");
-        use.index("light", "lights", light_count);
-      });
-    });
-  });
-}
-
 }  // namespace
+
+bool is_supported(const std::string& extension) {
+  return std::find(std::begin(supported), std::end(supported), extension) != std::end(supported);
+}
 
 void check_document(const json& document) {
   const At root{document, ""};
   check_asset(root);
   check_extensions(root);
-  check_data(root);
+  check_buffers(root);
+  check_accessors(root);
   check_meshes(root);
   check_nodes(root);
   check_materials(root);
   check_cameras_and_lights(root);
+  check_skins_and_animations(root);
 }
 
 }  // namespace nf::scene::gltf

@@ -3,6 +3,7 @@
 
 #include "scene/gltf_import.h"
 #include "scene/text.h"
+#include "scene/update.h"
 
 namespace nf::scene::gltf {
 
@@ -10,16 +11,9 @@ namespace {
 
 constexpr float pi = 3.14159265f;
 
-// False when the node's matrix has flattened the axis.
-bool unit_axis(const vec4& axis, float sign, vec3& unit) {
-  const float length = glm::length(vec3(axis));
-  if (!(length > 1e-12f) || !std::isfinite(length)) return false;
-  unit = vec3(axis) * (sign / length);
-  return true;
-}
-
-void import_camera(Importer& importer, const tinygltf::Camera& source, const std::string& node, const mat4& world) {
-  const std::string name = one_line(source.name.empty() ? node : source.name);
+void import_camera(Importer& importer, const tinygltf::Camera& source, const std::string& node_name, uint32_t node) {
+  const mat4& world = importer.scene.nodes.world[node];
+  const std::string name = one_line(source.name.empty() ? node_name : source.name);
   const tinygltf::PerspectiveCamera& lens = source.perspective;
   if (source.type != "perspective") {
     importer.warn_once("orthographic cameras are skipped");
@@ -32,39 +26,33 @@ void import_camera(Importer& importer, const tinygltf::Camera& source, const std
   camera.vfov = float(lens.yfov);
   camera.near = std::max(float(lens.znear), 1e-6f);
   camera.far = lens.zfar > lens.znear ? float(lens.zfar) : std::max(camera.far, 2 * camera.near);
-  camera.position = vec3(world[3]);
-  vec3 up;
-  if (!unit_axis(world[2], -1, camera.forward) || !unit_axis(world[1], 1, up)) {
+  camera.node = node;
+  if (!place(world, camera)) {
     importer.warn_once(fmt::format("the camera '{}' is skipped: its node's scale is zero", camera.name));
     return;
   }
-  // A skewed node can bring them together; any other up will do then.
-  if (glm::length(glm::cross(camera.forward, up)) < 1e-4f) {
-    up = std::abs(camera.forward.y) < 0.9f ? vec3(0, 1, 0) : vec3(0, 0, 1);
-  }
-  camera.up = up;
   importer.scene.cameras.push_back(std::move(camera));
 }
 
-void import_light(Importer& importer, const tinygltf::Light& source, size_t row, const mat4& world) {
+void import_light(Importer& importer, const tinygltf::Light& source, size_t row, uint32_t node) {
+  const mat4& world = importer.scene.nodes.world[node];
   const std::string where = describe("light", row, one_line(source.name));
   vec3 color(1);
   for (int i = 0; i < 3 && source.color.size() == 3; ++i) color[i] = std::max(0.f, float(source.color[size_t(i)]));
   const float intensity = float(source.intensity);
   if (!(intensity >= 0)) refuse("{} has the intensity {}", where, intensity);
-  vec3 direction(0, 0, -1);
-  const bool aimed = unit_axis(world[2], -1, direction);
-  if (!aimed && source.type != "point") {
+  if (!(glm::length(vec3(world[2])) > 1e-12f) && source.type != "point") {
     importer.warn_once(fmt::format("{} is skipped: its node's scale is zero", where));
     return;
   }
   if (source.type == "directional") {
-    importer.scene.directional.push_back({direction, color, intensity, 0});
+    DirectionalLight light{.color = color, .irradiance = intensity, .node = node};
+    place(world, light);
+    importer.scene.directional.push_back(light);
     return;
   }
-  PunctualLight light;
-  light.position = vec3(world[3]);
-  light.direction = direction;
+  PunctualLight light{.node = node};
+  place(world, light);
   light.color = color;
   light.intensity = intensity;
   light.range = std::max(0.f, float(source.range));
@@ -87,7 +75,7 @@ void import_cameras(Importer& importer, std::span<const uint32_t> file_node) {
   for (size_t row = 0; row < file_node.size(); ++row) {
     const tinygltf::Node& node = importer.model.nodes[file_node[row]];
     if (node.camera < 0) continue;
-    import_camera(importer, importer.model.cameras.at(size_t(node.camera)), node.name, importer.scene.nodes.world[row]);
+    import_camera(importer, importer.model.cameras.at(size_t(node.camera)), node.name, uint32_t(row));
   }
 }
 
@@ -97,7 +85,7 @@ void import_lights(Importer& importer, std::span<const uint32_t> file_node) {
     const auto extension = node.extensions.find("KHR_lights_punctual");
     if (extension == node.extensions.end()) continue;
     const size_t light = size_t(extension->second.Get("light").GetNumberAsInt());
-    import_light(importer, importer.model.lights.at(light), light, importer.scene.nodes.world[row]);
+    import_light(importer, importer.model.lights.at(light), light, uint32_t(row));
   }
 }
 

@@ -1,9 +1,10 @@
 // The node hierarchy of one glTF scene, and the instances it makes of the meshes.
+#include <algorithm>
 #include <cmath>
 
-#include "core/log.h"
 #include "scene/gltf_import.h"
 #include "scene/text.h"
+#include "scene/update.h"
 
 namespace nf::scene::gltf {
 
@@ -78,13 +79,6 @@ std::vector<uint32_t> scene_order(const Importer& importer, std::vector<uint32_t
   return order;
 }
 
-mat4 compose(const vec3& translation, const quat& rotation, const vec3& scale) {
-  mat4 matrix = glm::mat4_cast(rotation);
-  for (int axis = 0; axis < 3; ++axis) matrix[axis] *= scale[axis];
-  matrix[3] = vec4(translation, 1);
-  return matrix;
-}
-
 struct Local {
   vec3 translation{0}, scale{1};
   quat rotation{1, 0, 0, 0};
@@ -136,18 +130,57 @@ void append_node(const Importer& importer, uint32_t file_row, uint32_t parent, N
   nodes.local_matrix.push_back(local.matrix);
   nodes.world.push_back(mat4(1));
   nodes.previous_world.push_back(mat4(1));
+  nodes.first_weight.push_back(0);
+  nodes.weight_count.push_back(0);
+  nodes.touched.push_back(0);
+  nodes.moved.push_back(0);
   nodes.name.push_back(one_line(importer.model.nodes[file_row].name));
 }
 
-void append_instances(Importer& importer, uint32_t node, const PrimitiveRange& range) {
-  Instances& instances = importer.scene.instances;
-  importer.budget.take(uint64_t(range.count) * 48, "instances");
+// The weights of a node's morphed mesh: the node's own, else the mesh's, else 0.
+void append_weights(Importer& importer, uint32_t file_row, uint32_t node, const PrimitiveRange& range) {
+  uint32_t targets = 0;
   for (uint32_t i = 0; i < range.count; ++i) {
+    targets = std::max(targets, importer.scene.primitives[range.first + i].target_count);
+  }
+  if (targets == 0) return;
+  const tinygltf::Node& source = importer.model.nodes[file_row];
+  const std::vector<double>& mesh = importer.model.meshes[size_t(source.mesh)].weights;
+  const std::vector<double>& weights = source.weights.empty() ? mesh : source.weights;
+  MorphWeights& table = importer.scene.morph_weights;
+  importer.scene.nodes.first_weight[node] = uint32_t(table.value.size());
+  importer.scene.nodes.weight_count[node] = targets;
+  for (size_t i = 0; i < targets; ++i) table.value.push_back(i < weights.size() ? float(weights[i]) : 0.f);
+  table.previous = table.wanted = table.value;
+}
+
+// The skin of an instance; none where the primitive is not made for one.
+uint32_t skin_of(const Importer& importer, int file_skin, const Primitive& primitive) {
+  if (file_skin < 0 || primitive.first_influence == none) return none;
+  const uint32_t row = importer.skin_rows[size_t(file_skin)];
+  if (row == none) return none;
+  const Scene& scene = importer.scene;
+  const uint32_t joints = scene.skins[row].joint_count;
+  const uint32_t last = scene.joint_boxes.joint[primitive.first_joint_box + primitive.joint_box_count - 1];
+  if (last >= joints) refuse("a mesh uses the joint {}, but skins[{}] has only {} joints", last, file_skin, joints);
+  return row;
+}
+
+void append_instances(Importer& importer, uint32_t file_row, uint32_t node, const PrimitiveRange& range) {
+  Instances& instances = importer.scene.instances;
+  importer.budget.take(uint64_t(range.count) * 52, "instances");
+  const tinygltf::Node& source = importer.model.nodes[file_row];
+  for (uint32_t i = 0; i < range.count; ++i) {
+    const Primitive& primitive = importer.scene.primitives[range.first + i];
     instances.node.push_back(node);
     instances.primitive.push_back(range.first + i);
+    instances.skin.push_back(skin_of(importer, source.skin, primitive));
     instances.center.push_back(vec3(0));
     instances.extent.push_back(vec3(0));
     instances.mirrored.push_back(0);
+    if (source.skin < 0 && primitive.first_influence != none) {
+      importer.warn_once("meshes made for a skin, at nodes without one, stay in their bind pose");
+    }
   }
 }
 
@@ -157,17 +190,21 @@ std::vector<uint32_t> import_nodes(Importer& importer) {
   std::vector<uint32_t> parents = file_parents(importer);
   refuse_cycles(importer, parents);
   const std::vector<uint32_t> order = scene_order(importer, parents);
-  std::vector<uint32_t> row_of(parents.size(), none);
-  std::map<int, PrimitiveRange> meshes;  // only those the scene uses are imported
+  importer.node_rows.assign(parents.size(), none);
   for (size_t row = 0; row < order.size(); ++row) {
     const uint32_t file_row = order[row], parent = parents[file_row];
-    row_of[file_row] = uint32_t(row);
-    append_node(importer, file_row, parent < parents.size() ? row_of[parent] : none, importer.scene.nodes);
-    const tinygltf::Node& node = importer.model.nodes[file_row];
-    if (node.skin >= 0) importer.warn_once("skins are not applied: skinned meshes stay in their bind pose");
-    if (node.mesh < 0) continue;
-    if (!meshes.contains(node.mesh)) meshes[node.mesh] = import_mesh(importer, size_t(node.mesh));
-    append_instances(importer, uint32_t(row), meshes[node.mesh]);
+    importer.node_rows[file_row] = uint32_t(row);
+    const uint32_t parent_row = parent < parents.size() ? importer.node_rows[parent] : none;
+    append_node(importer, file_row, parent_row, importer.scene.nodes);
+  }
+  import_skins(importer, order);
+  std::map<int, PrimitiveRange> meshes;  // only those the scene uses are imported
+  for (size_t row = 0; row < order.size(); ++row) {
+    const int mesh = importer.model.nodes[order[row]].mesh;
+    if (mesh < 0) continue;
+    if (!meshes.contains(mesh)) meshes[mesh] = import_mesh(importer, size_t(mesh));
+    append_weights(importer, order[row], uint32_t(row), meshes[mesh]);
+    append_instances(importer, order[row], uint32_t(row), meshes[mesh]);
   }
   return order;
 }

@@ -47,7 +47,7 @@ size_t count_scans(Bytes bytes) {
 }
 
 // The picture's size; refuses what must not be decoded.
-glm::uvec2 check_picture(Bytes bytes, const std::string& where) {
+glm::uvec2 check_picture(Bytes bytes, uint64_t at_once, const std::string& where) {
   const bool png = starts_with(bytes, {0x89, 'P', 'N', 'G'}), jpeg = starts_with(bytes, {0xff, 0xd8});
   if (!png && !jpeg) {
     refuse_advising("convert the picture and export again", "{} is neither PNG nor JPEG (or is truncated)", where);
@@ -62,6 +62,12 @@ glm::uvec2 check_picture(Bytes bytes, const std::string& where) {
   }
   if (uint64_t(width) * uint64_t(height) > 4096 + pixels_per_byte * bytes.size()) {
     refuse("{} says it is {} x {} pixels, but has only {} bytes", where, width, height, bytes.size());
+  }
+  // 16-bit pictures are unpacked at full width before they are narrowed.
+  const uint64_t pixel = stbi_is_16_bit_from_memory(bytes.data(), int(bytes.size())) ? 8 : 4;
+  if (uint64_t(width) * uint64_t(height) * pixel > at_once) {
+    refuse_advising("scale the picture down", "{} is {} x {} pixels, too many for a file of this size", where, width,
+                    height);
   }
   if (jpeg && count_scans(bytes) > scan_limit) refuse("{} is a JPEG of more than {} scans", where, scan_limit);
   return {width, height};
@@ -103,7 +109,7 @@ void import_pictures(Importer& importer) {
   std::vector<Job> jobs = make_jobs(importer);
   uint64_t total = 0;
   for (Job& job : jobs) {
-    const glm::uvec2 size = check_picture(job.bytes, job.where);
+    const glm::uvec2 size = check_picture(job.bytes, importer.budget.at_once, job.where);
     for (const uint32_t row : {job.row, job.copy_row}) {
       if (row == none) continue;
       pictures[row].width = size.x;

@@ -3,7 +3,6 @@
 #include <cstring>
 #include <fstream>
 
-#include "core/log.h"
 #include "scene/gltf_import.h"
 #include "scene/gltf_uri.h"
 #include "scene/text.h"
@@ -96,26 +95,9 @@ json parse_json(std::span<const uint8_t> text) {
   }
 }
 
-// Removes what the importer does not read, so that tinygltf has less to stumble over (it copies extras recursively, and
-// reports broken animations as errors of the whole file).
-void strip(json& value) {
-  if (value.is_array()) {
-    for (json& element : value) {
-      if (element.is_structured()) strip(element);
-    }
-    return;
-  }
-  value.erase("extras");
-  if (const auto extensions = value.find("extensions"); extensions != value.end()) {
-    json kept = json::object();
-    for (const char* name : {"KHR_lights_punctual", "KHR_materials_emissive_strength"}) {
-      if (extensions->is_object() && extensions->contains(name)) kept[name] = (*extensions)[name];
-    }
-    *extensions = std::move(kept);
-  }
-  for (json& member : value) {
-    if (member.is_structured()) strip(member);
-  }
+bool is_fallback(const json& buffer) {
+  const json* extension = extension_of(buffer, "EXT_meshopt_compression");
+  return extension && extension->value("fallback", false);
 }
 
 void fetch_buffers(Source& source, const fs::path& folder, std::span<const uint8_t> binary) {
@@ -124,7 +106,11 @@ void fetch_buffers(Source& source, const fs::path& folder, std::span<const uint8
     const std::string where = describe("buffer", i, buffers[i].value("name", ""));
     const uint64_t length = buffers[i].at("byteLength").get<uint64_t>();
     Bytes bytes;
-    if (!buffers[i].contains("uri")) {
+    if (!buffers[i].contains("uri") && (i != 0 || binary.empty()) && is_fallback(buffers[i])) {
+      // Only compressed views use it; decompress() gives those buffers of their own.
+      bytes.assign(1, 0);
+      buffers[i]["byteLength"] = 1;
+    } else if (!buffers[i].contains("uri")) {
       if (i != 0 || binary.empty()) refuse("{} has no data: neither a URI nor a .glb's binary chunk", where);
       bytes.assign(binary.begin(), binary.begin() + std::ptrdiff_t(std::min<uint64_t>(length, binary.size())));
     } else if (const std::string& uri = buffers[i]["uri"].get_ref<const std::string&>(); is_data_uri(uri)) {
@@ -133,8 +119,9 @@ void fetch_buffers(Source& source, const fs::path& folder, std::span<const uint8
       bytes = read_file(resolve_uri(folder, uri, where), length);
       source.bytes += bytes.size();
     }
-    if (bytes.size() < length) refuse("{} says it has {} bytes, but there are only {}", where, length, bytes.size());
-    bytes.resize(size_t(length));
+    if (bytes.size() < std::min(length, buffers[i]["byteLength"].get<uint64_t>()))
+      refuse("{} says it has {} bytes, but there are only {}", where, length, bytes.size());
+    bytes.resize(size_t(buffers[i]["byteLength"].get<uint64_t>()));
     source.buffers.push_back(std::move(bytes));
     // tinygltf asks for this name; parse_model hands it the bytes.
     buffers[i]["uri"] = fmt::format("buffer-{}", i);
@@ -182,14 +169,65 @@ Source load_source(const std::filesystem::path& path) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   fetch_buffers(source, folder, chunks.binary);
   fetch_images(source, folder);
-  for (const char* section : {"animations", "skins", "images"}) {
-    if (section != std::string_view("images") && source.document.contains(section)) {
-      log::debug("'{}': its {} are not read", source.path, section);
-    }
-    source.document.erase(section);
-  }
-  strip(source.document);
+  source.document.erase("images");
   return source;
+}
+
+const nlohmann::json* extension_of(const nlohmann::json& row, const char* name) {
+  const auto extensions = row.find("extensions");
+  if (extensions == row.end() || !extensions->is_object()) return nullptr;
+  const auto extension = extensions->find(name);
+  return extension == extensions->end() || !extension->is_object() ? nullptr : &*extension;
+}
+
+size_t add_buffer(Source& source, std::vector<uint8_t> bytes) {
+  json& buffers = source.document["buffers"];
+  json& views = source.document["bufferViews"];
+  buffers.push_back({{"byteLength", bytes.size()}, {"uri", fmt::format("buffer-{}", source.buffers.size())}});
+  views.push_back({{"buffer", source.buffers.size()}, {"byteLength", bytes.size()}});
+  source.buffers.push_back(std::move(bytes));
+  return views.size() - 1;
+}
+
+namespace {
+
+// Channels that drive nothing we know: tinygltf takes the whole file for broken where one has no node.
+void drop_idle_channels(json& document) {
+  if (!document.contains("animations")) return;
+  for (json& animation : document["animations"]) {
+    json kept = json::array();
+    for (json& channel : animation["channels"]) {
+      if (channel["target"].contains("node")) kept.push_back(std::move(channel));
+    }
+    animation["channels"] = std::move(kept);
+  }
+}
+
+void strip_rows(json& value) {
+  if (value.is_array()) {
+    for (json& element : value) {
+      if (element.is_structured()) strip_rows(element);
+    }
+    return;
+  }
+  value.erase("extras");
+  if (const auto extensions = value.find("extensions"); extensions != value.end()) {
+    json kept = json::object();
+    for (const auto& [name, extension] : extensions->items()) {
+      if (is_supported(name)) kept[name] = extension;
+    }
+    *extensions = std::move(kept);
+  }
+  for (json& member : value) {
+    if (member.is_structured()) strip_rows(member);
+  }
+}
+
+}  // namespace
+
+void strip(json& document) {
+  drop_idle_channels(document);
+  strip_rows(document);
 }
 
 }  // namespace nf::scene::gltf
