@@ -22,6 +22,7 @@ gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::f
   for (const ParamBlock& block : settings.blocks()) compiler.add_table(*block.table);
   compiler.add_table(FrameBlock::table());
   compiler.add_table(AccumulateBlock::table());
+  compiler.add_table(DeformBlock::table());
   if (device.facts.fetch_storage) compiler.add_define("NF_FETCH_STORAGE", "1");
   return compiler;
 }
@@ -32,6 +33,7 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::
   pipelines_ =
       std::make_unique<gpu::Pipelines>(device, make_shader_compiler(device, gpu::find_shader_folder(), cache), cache);
   tables_ = std::make_unique<SceneTables>(device, scene);
+  deform_ = create_deform(*pipelines_);
   gbuffer_ = create_gbuffer(*pipelines_, *tables_);
   shadow_ = create_shadow(*pipelines_, *tables_);
   lighting_ = create_lighting(*pipelines_);
@@ -48,20 +50,27 @@ Renderer::~Renderer() {
   tables_->destroy_list(shadow_draws_);
 }
 
+void Renderer::update(const scene::Changes& changes) {
+  executor_->wait_for_side();
+  tables_->update(changes);
+}
+
 FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const FrameSettings& settings) {
   if (settings.technique != last_technique_) graph.forget_histories();
   last_technique_ = settings.technique;
   const FrameBlock frame = make_frame_block(view, scene_, settings.material, settings.shadow);
   graph.share(frame);
+  executor_->wait_for_side();
   tables_->build_draws(camera_draws_, scene::frustum_from_clip(frame.jittered_clip_from_world), view.camera.position);
   const bool shadowed = settings.shadow.enabled && !scene_.directional.empty();
   if (shadowed)
     tables_->build_draws(shadow_draws_, scene::frustum_from_clip(frame.shadow_from_world), view.camera.position);
 
   FrameOutputs out;
-  out.gbuffer = add_gbuffer(graph, gbuffer_, {view.size.x, view.size.y}, *tables_, camera_draws_);
+  const graph::Buf deformed = add_deform(graph, deform_, *tables_);
+  out.gbuffer = add_gbuffer(graph, gbuffer_, {view.size.x, view.size.y}, *tables_, camera_draws_, deformed);
   const graph::Tex shadow =
-      shadowed ? add_shadow(graph, shadow_, settings.shadow, *tables_, shadow_draws_) : graph::Tex{};
+      shadowed ? add_shadow(graph, shadow_, settings.shadow, *tables_, shadow_draws_, deformed) : graph::Tex{};
   out.direct = add_direct(graph, lighting_, out.gbuffer, shadow, settings.shadow, *tables_);
   out.gi = settings.technique->add(graph, gi_, out.gbuffer, out.direct, settings.gi);
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_);

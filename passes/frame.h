@@ -30,6 +30,9 @@ class Renderer {
   Renderer(gpu::Device& device, const scene::Scene& scene, const graph::ExecutorOptions& options = {});
   ~Renderer();
 
+  // After scene::animate() or update(): copies what changed. Waits for the frame before the last.
+  void update(const scene::Changes& changes);
+
   // Adds all passes up to `lit`. The graph refers to this renderer's tables and must run before the next build(). With
   // another technique than the last time, all histories start anew.
   FrameOutputs build(graph::Graph& graph, const FrameView& view, const FrameSettings& settings);
@@ -50,6 +53,7 @@ class Renderer {
   std::unique_ptr<gpu::Pipelines> pipelines_;
   std::unique_ptr<SceneTables> tables_;
   DrawList camera_draws_, shadow_draws_;
+  DeformPass deform_;
   GBufferPass gbuffer_;
   ShadowPass shadow_;
   LightingPass lighting_;

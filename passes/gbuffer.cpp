@@ -10,11 +10,12 @@ GBufferPass create_gbuffer(gpu::Pipelines& pipelines, const SceneTables& scene) 
                                .set1 = scene.material_set_layout()};
   return {pipelines.raster("gbuffer.vert", "gbuffer.frag", {}, state),
           pipelines.raster("gbuffer.vert", "gbuffer.frag", {{"MASKED", "1"}}, state),
+          pipelines.raster("gbuffer.vert", "gbuffer.frag", {{"MASKED", "1"}, {"MAPPED", "1"}}, state),
           pipelines.fullscreen("depth.frag")};
 }
 
 GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size size, const SceneTables& scene,
-                    const DrawList& draws) {
+                    const DrawList& draws, graph::Buf deformed) {
   GBuffer g{.depth = graph.image("gbuffer.depth", {size, VK_FORMAT_R32_SFLOAT}),
             .normal = graph.image("gbuffer.normal", {size, VK_FORMAT_R32_UINT}),
             .albedo = graph.image("gbuffer.albedo", {size, VK_FORMAT_A2B10G10R10_UNORM_PACK32}),
@@ -30,6 +31,7 @@ GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size si
   graph.raster("gbuffer.opaque", pass.opaque, "Base colour, material, normal, emission, velocity of opaque surfaces")
       .in("instances", instances)
       .in("materials", materials)
+      .in("deformed", deformed)
       .out("albedo", g.albedo, black)
       .out("material", g.material, black)
       .out("normal", g.normal, black)
@@ -37,17 +39,23 @@ GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size si
       .out("velocity", g.velocity, black)
       .depth(z, 0.0f)
       .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Opaque, true, r); });
-  if (draws.has(DrawClass::Masked))
-    graph.raster("gbuffer.masked", pass.masked, "The same for surfaces cut out by alpha")
+  const auto add_behind = [&](const char* name, gpu::Pipeline pipeline, const char* description, DrawClass draw_class) {
+    if (!draws.has(draw_class)) return;
+    graph.raster(name, pipeline, description)
         .in("instances", instances)
         .in("materials", materials)
+        .in("deformed", deformed)
         .out("albedo", g.albedo)
         .out("material", g.material)
         .out("normal", g.normal)
         .out("emissive", g.emissive)
         .out("velocity", g.velocity)
         .depth(z)
-        .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Masked, true, r); });
+        .draw([&scene, &draws, draw_class](const graph::Recorder& r) { scene.draw(draws, draw_class, true, r); });
+  };
+  add_behind("gbuffer.masked", pass.masked, "The same for surfaces cut out by alpha", DrawClass::Masked);
+  add_behind("gbuffer.mapped", pass.mapped, "The same for textures with transforms or other coordinates",
+             DrawClass::Mapped);
   graph.fullscreen("gbuffer.linear_depth", pass.linear_depth, "Depth in metres, for everything that reads neighbours")
       .in("depth", z)
       .out("linear_depth", g.depth);

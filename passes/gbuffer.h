@@ -16,12 +16,12 @@ struct GBuffer {
 };
 
 struct GBufferPass {
-  gpu::Pipeline opaque, masked, linear_depth;
+  gpu::Pipeline opaque, masked, mapped, linear_depth;
 };
 GBufferPass create_gbuffer(gpu::Pipelines& pipelines, const SceneTables& scene);
 
-// `draws` and `scene` must live until the graph has run.
+// `draws` and `scene` must live until the graph has run. `deformed` is add_deform's.
 GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size size, const SceneTables& scene,
-                    const DrawList& draws);
+                    const DrawList& draws, graph::Buf deformed);
 
 }  // namespace nf::passes

@@ -18,12 +18,18 @@ struct InstanceRow {
   glm::mat4 world, previous_world;
   uint32_t material;
   float mirrored;  // -1 where the transform mirrors, else 1
+  uint32_t first_vertex, deformed;
 };
 struct MaterialRow {
   glm::vec4 base_color;
   glm::vec3 emissive;
   float metallic, roughness, normal_scale, alpha_cutoff;
   glm::ivec4 layers;  // base colour, metallic-roughness, normal, emissive; -1 = no texture
+  int32_t occlusion_layer;
+  float occlusion_strength, dielectric_f0;
+  uint32_t unlit, uv_sets;
+  glm::mat2 uv_linear[5];
+  glm::vec2 uv_offset[5];
 };
 struct LightRow {
   glm::vec3 position;
@@ -43,12 +49,31 @@ VkFilter filter(scene::Filter f) {
   return f == scene::Filter::Linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
 }
 
-std::array<uint32_t, 4> textures_of(const scene::Material& m) {
-  return {m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.emissive_texture};
+constexpr uint32_t texture_count = 5;
+
+// In the order of the shaders' bindings and of the first rows of scene::Slot.
+std::array<uint32_t, 5> textures_of(const scene::Material& m) {
+  return {m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.emissive_texture,
+          m.occlusion_texture};
+}
+
+bool is_mapped(const scene::Material& m) {
+  const auto textures = textures_of(m);
+  for (size_t i = 0; i < textures.size(); ++i)
+    if (textures[i] != scene::none && m.mapping[i] != scene::UvMapping{}) return true;
+  return false;
+}
+
+// KHR_materials_ior and KHR_materials_specular, as one number: the strongest channel of the specular colour.
+float dielectric_f0(const scene::Material& m) {
+  const float r = (m.ior - 1) / (m.ior + 1);
+  const float tint = std::max({m.specular_color.x, m.specular_color.y, m.specular_color.z});
+  return std::min(r * r * tint, 1.0f) * m.specular;
 }
 
 // Blended surfaces are drawn as cut-outs; sorted blending is not part of the deferred frame.
 DrawClass class_of(const scene::Material& m) {
+  if (is_mapped(m)) return DrawClass::Mapped;
   return m.alpha == scene::AlphaMode::Opaque ? DrawClass::Opaque : DrawClass::Masked;
 }
 
@@ -59,15 +84,14 @@ bool DrawList::has(DrawClass draw_class) const {
 }
 
 std::span<const gpu::VertexStream> SceneTables::streams() {
-  static const gpu::VertexStream all[] = {{VK_FORMAT_R32G32B32_SFLOAT, 12},
-                                          {VK_FORMAT_R32G32B32_SFLOAT, 12},
-                                          {VK_FORMAT_R32G32B32A32_SFLOAT, 16},
-                                          {VK_FORMAT_R32G32_SFLOAT, 8},
-                                          {VK_FORMAT_R32G32B32A32_SFLOAT, 16}};
+  static const gpu::VertexStream all[] = {{VK_FORMAT_R32G32B32_SFLOAT, 12},    {VK_FORMAT_R32G32B32_SFLOAT, 12},
+                                          {VK_FORMAT_R32G32B32A32_SFLOAT, 16}, {VK_FORMAT_R32G32_SFLOAT, 8},
+                                          {VK_FORMAT_R32G32B32A32_SFLOAT, 16}, {VK_FORMAT_R32G32_SFLOAT, 8}};
   return all;
 }
 
-SceneTables::SceneTables(gpu::Device& device, const scene::Scene& scene) : device_(device), scene_(scene) {
+SceneTables::SceneTables(gpu::Device& device, const scene::Scene& scene)
+    : device_(device), scene_(scene), deform_(device, scene) {
   upload_geometry();
   upload_textures();
   upload_materials();
@@ -77,7 +101,9 @@ SceneTables::SceneTables(gpu::Device& device, const scene::Scene& scene) : devic
 SceneTables::~SceneTables() {
   vkDeviceWaitIdle(device_.handle);
   for (gpu::Buffer& stream : streams_) destroy(device_, stream);
-  for (gpu::Buffer* buffer : {&indices_, &instances_, &materials_, &lights_, &reflectance_}) destroy(device_, *buffer);
+  for (gpu::Buffer* buffer : {&indices_, &materials_, &reflectance_}) destroy(device_, *buffer);
+  instances_.destroy(device_);
+  lights_.destroy(device_);
   for (gpu::Image& image : arrays_) destroy(device_, image);
   for (const auto& [key, sampler] : samplers_) vkDestroySampler(device_.handle, sampler, nullptr);
   vkDestroyDescriptorPool(device_.handle, pool_, nullptr);
@@ -86,12 +112,13 @@ SceneTables::~SceneTables() {
 
 void SceneTables::upload_geometry() {
   const scene::Geometry& g = scene_.geometry;
-  constexpr VkBufferUsageFlags vertex = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+  constexpr VkBufferUsageFlags vertex = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   streams_ = {gpu::upload_table(device_, g.position, vertex, "scene.position"),
               gpu::upload_table(device_, g.normal, vertex, "scene.normal"),
               gpu::upload_table(device_, g.tangent, vertex, "scene.tangent"),
               gpu::upload_table(device_, g.uv0, vertex, "scene.uv0"),
-              gpu::upload_table(device_, g.color, vertex, "scene.color")};
+              gpu::upload_table(device_, g.color, vertex, "scene.color"),
+              gpu::upload_table(device_, g.uv1, vertex, "scene.uv1")};
   indices_ = gpu::upload_table(device_, g.index, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, "scene.indices");
 }
 
@@ -148,9 +175,9 @@ VkSampler SceneTables::sampler_for(const scene::Sampler& wanted) {
 }
 
 uint32_t SceneTables::texture_set_for(const scene::Material& material) {
-  std::array<std::pair<uint32_t, VkSampler>, 4> key;
+  std::array<std::pair<uint32_t, VkSampler>, 5> key;
   const auto textures = textures_of(material);
-  for (size_t i = 0; i < 4; ++i) {
+  for (size_t i = 0; i < key.size(); ++i) {
     if (textures[i] == scene::none) {
       key[i] = {0u, sampler_for({})};
     } else {
@@ -178,7 +205,28 @@ void SceneTables::upload_materials() {
     const float cutoff = m.alpha == scene::AlphaMode::Mask    ? m.alpha_cutoff
                          : m.alpha == scene::AlphaMode::Blend ? 0.5f
                                                               : 0.0f;
-    rows.push_back({m.base_color, m.emissive, m.metallic, m.roughness, m.normal_scale, cutoff, layers});
+    MaterialRow row{.base_color = m.base_color,
+                    .emissive = m.emissive,
+                    .metallic = m.metallic,
+                    .roughness = m.roughness,
+                    .normal_scale = m.normal_scale,
+                    .alpha_cutoff = cutoff,
+                    .layers = layers,
+                    .occlusion_layer = textures[4] == scene::none
+                                           ? -1
+                                           : int32_t(picture_slots_[scene_.textures[textures[4]].picture].layer),
+                    .occlusion_strength = m.occlusion_strength,
+                    .dielectric_f0 = dielectric_f0(m),
+                    .unlit = m.unlit,
+                    .uv_sets = 0,
+                    .uv_linear = {},
+                    .uv_offset = {}};
+    for (size_t i = 0; i < textures.size(); ++i) {
+      row.uv_sets |= m.mapping[i].set << i;
+      row.uv_linear[i] = m.mapping[i].linear;
+      row.uv_offset[i] = m.mapping[i].offset;
+    }
+    rows.push_back(row);
   }
   if (blended)
     log::warn("{} blended material{} drawn as cut-outs at alpha 0.5: this version has no transparency", blended,
@@ -186,16 +234,17 @@ void SceneTables::upload_materials() {
   materials_ = gpu::upload_table(device_, rows, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.materials");
 
   std::vector<VkDescriptorSetLayoutBinding> bindings;
-  for (uint32_t i = 0; i < 4; ++i)
+  for (uint32_t i = 0; i < texture_count; ++i)
     bindings.push_back({.binding = i,
                         .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                         .descriptorCount = 1,
                         .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT});
-  VkDescriptorSetLayoutCreateInfo layout{
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 4, .pBindings = bindings.data()};
+  VkDescriptorSetLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                         .bindingCount = texture_count,
+                                         .pBindings = bindings.data()};
   NF_VK(vkCreateDescriptorSetLayout(device_.handle, &layout, nullptr, &set_layout_));
   const uint32_t count = std::max<uint32_t>(uint32_t(set_keys_.size()), 1);
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * 4};
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * texture_count};
   VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                   .maxSets = count,
                                   .poolSizeCount = 1,
@@ -208,9 +257,9 @@ void SceneTables::upload_materials() {
                                          .pSetLayouts = &set_layout_};
     VkDescriptorSet set = VK_NULL_HANDLE;
     NF_VK(vkAllocateDescriptorSets(device_.handle, &allocate, &set));
-    VkDescriptorImageInfo infos[4];
-    VkWriteDescriptorSet writes[4];
-    for (uint32_t i = 0; i < 4; ++i) {
+    VkDescriptorImageInfo infos[texture_count];
+    VkWriteDescriptorSet writes[texture_count];
+    for (uint32_t i = 0; i < texture_count; ++i) {
       infos[i] = {key[i].second, arrays_[key[i].first].view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
       writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                    .dstSet = set,
@@ -219,45 +268,70 @@ void SceneTables::upload_materials() {
                    .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                    .pImageInfo = &infos[i]};
     }
-    vkUpdateDescriptorSets(device_.handle, 4, writes, 0, nullptr);
+    vkUpdateDescriptorSets(device_.handle, texture_count, writes, 0, nullptr);
     sets_.push_back(set);
   }
 }
 
+namespace {
+
+InstanceRow instance_row(const scene::Scene& scene, const DeformTables& deform, uint32_t i) {
+  const uint32_t node = scene.instances.node[i];
+  const scene::Primitive& p = scene.primitives[scene.instances.primitive[i]];
+  return {scene.nodes.world[node],
+          scene.nodes.previous_world[node],
+          p.material,
+          scene.instances.mirrored[i] ? -1.0f : 1.0f,
+          p.vertex_offset,
+          deform.first_row()[i]};
+}
+
+// The directional lights come first.
+LightRow light_row(const scene::Scene& scene, uint32_t i) {
+  if (i < scene.directional.size()) {
+    const scene::DirectionalLight& l = scene.directional[i];
+    return {.position = {},
+            .directional = 1,
+            .direction = l.direction,
+            .range = 0,
+            .radiance = l.color * l.irradiance,
+            .cone_scale = 0,
+            .cone_offset = 1};
+  }
+  const scene::PunctualLight& l = scene.punctual[i - scene.directional.size()];
+  // KHR_lights_punctual: smooth between the cones as clamp(cos * scale + offset)^2.
+  const bool spot = l.outer_cone < 3.14f;
+  const float outer = std::cos(l.outer_cone);
+  const float scale = spot ? 1.0f / std::max(0.001f, std::cos(l.inner_cone) - outer) : 0.0f;
+  return {.position = l.position,
+          .directional = 0,
+          .direction = l.direction,
+          .range = l.range,
+          .radiance = l.color * l.intensity,
+          .cone_scale = scale,
+          .cone_offset = spot ? -outer * scale : 1.0f};
+}
+
+}  // namespace
+
 void SceneTables::upload_instances_and_lights() {
-  std::vector<InstanceRow> instances;
-  for (size_t i = 0; i < scene_.instances.size(); ++i) {
-    const uint32_t node = scene_.instances.node[i];
-    instances.push_back({scene_.nodes.world[node], scene_.nodes.previous_world[node],
-                         scene_.primitives[scene_.instances.primitive[i]].material,
-                         scene_.instances.mirrored[i] ? -1.0f : 1.0f});
-  }
-  std::vector<LightRow> lights;
-  for (const scene::DirectionalLight& l : scene_.directional)
-    lights.push_back({.position = {},
-                      .directional = 1,
-                      .direction = l.direction,
-                      .range = 0,
-                      .radiance = l.color * l.irradiance,
-                      .cone_scale = 0,
-                      .cone_offset = 1});
-  for (const scene::PunctualLight& l : scene_.punctual) {
-    // KHR_lights_punctual: smooth between the cones as clamp(cos * scale + offset)^2.
-    const bool spot = l.outer_cone < 3.14f;
-    const float outer = std::cos(l.outer_cone);
-    const float scale = spot ? 1.0f / std::max(0.001f, std::cos(l.inner_cone) - outer) : 0.0f;
-    lights.push_back({.position = l.position,
-                      .directional = 0,
-                      .direction = l.direction,
-                      .range = l.range,
-                      .radiance = l.color * l.intensity,
-                      .cone_scale = scale,
-                      .cone_offset = spot ? -outer * scale : 1.0f});
-  }
-  instances_ = gpu::upload_table(device_, instances, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.instances");
+  instances_.create<InstanceRow>(
+      device_, scene_.instances.size(), [&](uint32_t i) { return instance_row(scene_, deform_, i); },
+      "scene.instances");
+  lights_.create<LightRow>(
+      device_, scene_.directional.size() + scene_.punctual.size(), [&](uint32_t i) { return light_row(scene_, i); },
+      "scene.lights");
   reflectance_ =
       gpu::upload_table(device_, reflectance_table(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "lighting.reflectance");
-  lights_ = gpu::upload_table(device_, lights, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.lights");
+}
+
+void SceneTables::update(const scene::Changes& changes) {
+  deform_.update(changes);
+  instances_.update<InstanceRow>(changes.instances, [&](uint32_t i) { return instance_row(scene_, deform_, i); });
+  std::vector<scene::RowRange> lights = changes.directional;
+  for (const scene::RowRange& range : changes.punctual)
+    lights.push_back({range.first + uint32_t(scene_.directional.size()), range.count});
+  lights_.update<LightRow>(lights, [&](uint32_t i) { return light_row(scene_, i); });
 }
 
 void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const {
@@ -278,7 +352,7 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
     uint32_t distance_bits;
     const float distance = glm::dot(to, to);
     std::memcpy(&distance_bits, &distance, sizeof distance_bits);  // positive floats order as their bits
-    const uint64_t batch = uint64_t(class_of(m)) << 31 | uint64_t(material_sets_[material]) << 2 |
+    const uint64_t batch = uint64_t(class_of(m)) << 30 | uint64_t(material_sets_[material]) << 2 |
                            uint64_t(m.double_sided) << 1 | uint64_t(instances.mirrored[i] != 0);
     keyed.push_back({batch << 32 | distance_bits, i});
   }
@@ -323,9 +397,9 @@ void SceneTables::destroy_list(DrawList& list) const {
 
 void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_materials,
                        const graph::Recorder& recorder) const {
-  std::array<VkBuffer, 5> buffers;
+  std::array<VkBuffer, 6> buffers;
   for (size_t i = 0; i < buffers.size(); ++i) buffers[i] = streams_[i].handle;
-  recorder.bind_vertex_streams(std::span(buffers).first(with_materials ? 5 : 1));
+  recorder.bind_vertex_streams(std::span(buffers).first(with_materials ? 6 : 1));
   recorder.bind_indices(indices_.handle);
   for (const Batch& batch : list.batches) {
     if (batch.draw_class != draw_class) continue;

@@ -10,14 +10,15 @@
 #include <span>
 #include <vector>
 
+#include "deform.h"
 #include "gpu/upload.h"
-#include "graph/graph.h"
 #include "scene/culling.h"
 #include "scene/scene.h"
 
 namespace nf::passes {
 
-enum class DrawClass : uint8_t { Opaque, Masked };
+// Mapped: textures with a transform or the second set of coordinates, cut out or not.
+enum class DrawClass : uint8_t { Opaque, Masked, Mapped };
 
 struct Batch {
   DrawClass draw_class;
@@ -47,15 +48,22 @@ class SceneTables {
   void build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const;
   void destroy_list(DrawList& list) const;
 
+  // Copies what an update of the scene has changed. Executor::wait_for_side() comes first.
+  void update(const scene::Changes& changes);
+
   // Records the batches of one class. Without materials only positions are bound (depth of opaque surfaces).
   void draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder) const;
 
   VkDescriptorSetLayout material_set_layout() const { return set_layout_; }
-  const gpu::Buffer& instances() const { return instances_; }
+  const gpu::Buffer& positions() const { return streams_[0]; }
+  const gpu::Buffer& normals() const { return streams_[1]; }
+  const gpu::Buffer& tangents() const { return streams_[2]; }
+  const DeformTables& deform() const { return deform_; }
+  const gpu::Buffer& instances() const { return instances_.current(); }
   const gpu::Buffer& materials() const { return materials_; }
-  const gpu::Buffer& lights() const { return lights_; }
+  const gpu::Buffer& lights() const { return lights_.current(); }
   const gpu::Buffer& reflectance() const { return reflectance_; }  // environment.h
-  // All streams in the order of the shaders' locations: position, normal, tangent, uv0, color.
+  // All streams in the order of the shaders' locations: position, normal, tangent, uv0, color, uv1.
   static std::span<const gpu::VertexStream> streams();
 
  private:
@@ -71,12 +79,14 @@ class SceneTables {
 
   gpu::Device& device_;
   const scene::Scene& scene_;
-  std::array<gpu::Buffer, 5> streams_;
-  gpu::Buffer indices_, instances_, materials_, lights_, reflectance_;
+  std::array<gpu::Buffer, 6> streams_;
+  gpu::Buffer indices_, materials_, reflectance_;
+  DeformTables deform_;
+  HostTable instances_, lights_;
   std::vector<gpu::Image> arrays_;        // row 0: one white texel, for materials without a texture
   std::vector<ArraySlot> picture_slots_;  // by scene picture
   std::vector<std::pair<scene::Sampler, VkSampler>> samplers_;
-  std::vector<std::array<std::pair<uint32_t, VkSampler>, 4>> set_keys_;
+  std::vector<std::array<std::pair<uint32_t, VkSampler>, 5>> set_keys_;
   std::vector<VkDescriptorSet> sets_;
   std::vector<uint32_t> material_sets_;  // by material
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;

@@ -28,24 +28,29 @@ ShadowPass create_shadow(gpu::Pipelines& pipelines, const SceneTables& scene) {
                           .depth_write = true,
                           .set1 = scene.material_set_layout()};
   return {pipelines.raster("shadow.vert", "", {}, opaque),
-          pipelines.raster("shadow.vert", "shadow.frag", {{"MASKED", "1"}}, masked)};
+          pipelines.raster("shadow.vert", "shadow.frag", {{"MASKED", "1"}}, masked),
+          pipelines.raster("shadow.vert", "shadow.frag", {{"MASKED", "1"}, {"MAPPED", "1"}}, masked)};
 }
 
 graph::Tex add_shadow(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const SceneTables& scene,
-                      const DrawList& draws) {
+                      const DrawList& draws, graph::Buf deformed) {
   const uint32_t side = uint32_t(params.resolution);
   const graph::Tex map = graph.image("shadow.map", {{side, side}, VK_FORMAT_D32_SFLOAT});
   const graph::Buf instances = graph.import("scene.instances", scene.instances());
   graph.raster("shadow.opaque", pass.opaque, "Depth of opaque surfaces from the sun")
       .in("instances", instances)
+      .in("deformed", deformed)
       .depth(map, 0.0f)
       .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Opaque, false, r); });
-  if (draws.has(DrawClass::Masked))
-    graph.raster("shadow.masked", pass.masked, "Depth of cut-out surfaces from the sun")
-        .in("instances", instances)
-        .in("materials", graph.import("scene.materials", scene.materials()))
-        .depth(map)
-        .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Masked, true, r); });
+  for (const auto& [name, pipeline, draw_class] : {std::tuple("shadow.masked", pass.masked, DrawClass::Masked),
+                                                   std::tuple("shadow.mapped", pass.mapped, DrawClass::Mapped)})
+    if (draws.has(draw_class))
+      graph.raster(name, pipeline, "Depth of cut-out surfaces from the sun")
+          .in("instances", instances)
+          .in("materials", graph.import("scene.materials", scene.materials()))
+          .in("deformed", deformed)
+          .depth(map)
+          .draw([&scene, &draws, which = draw_class](const graph::Recorder& r) { scene.draw(draws, which, true, r); });
   return map;
 }
 

@@ -19,12 +19,12 @@ NF_DECLARE_PARAMS(ShadowParams, "shadow", NF_SHADOW_PARAMS)
 glm::mat4 fit_shadow(const scene::Bounds& bounds, glm::vec3 direction, float& extent);
 
 struct ShadowPass {
-  gpu::Pipeline opaque, masked;
+  gpu::Pipeline opaque, masked, mapped;
 };
 ShadowPass create_shadow(gpu::Pipelines& pipelines, const SceneTables& scene);
 
 // Invalid handle when there is no sun or shadows are off.
 graph::Tex add_shadow(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const SceneTables& scene,
-                      const DrawList& draws);
+                      const DrawList& draws, graph::Buf deformed);
 
 }  // namespace nf::passes

@@ -558,6 +558,12 @@ TEST_F(ValidateTest, ThreadsComeFromOneSide) {
   graph.compute("write", source).out("value", b).indirect(graph.import("arguments", arguments));
   EXPECT_TRUE(faults(graph).empty());
   graph = Graph();
+  const Tex d = image("d");
+  graph.compute("write", source).out("value", d).over(64);
+  EXPECT_TRUE(faults(graph).empty());
+  graph.compute("write", source, "", used).out("value", d).over(64).over(d);
+  expect(Kind::SizeMismatch, {"write", "over()", line_of(used)});
+  graph = Graph();
   const Tex c = image("c");
   graph.compute("write", source, "", used).out("value", c).over(mip(c, 4));
   expect(Kind::SizeMismatch, {"write", "over()", line_of(used)});

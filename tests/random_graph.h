@@ -43,7 +43,7 @@ class RandomGraph {
   }
   const ResourceRow& row(uint16_t r) const { return graph.resources[r]; }
   Tex tex(uint16_t r) const { return graph.tex(r); }
-  Buf buf(uint16_t r) const { return {r, graph.tex(r).graph}; }
+  Buf buf(uint16_t r) const { return graph.buf(r); }
 
   void add_resource() {
     const int kind = pick(0, 9);

@@ -13,6 +13,7 @@
 #include "core/log.h"
 #include "image/file.h"
 #include "image/image.h"
+#include "scene/animation.h"
 #include "scene/gltf.h"
 #include "scene/view.h"
 
@@ -26,8 +27,8 @@ struct RenderOptions : CommonOptions {
   std::string scene, aov, json_file, precision = "half";
   std::vector<std::string> outputs;
   uint32_t frames = 1, warmup = 0;
-  double fps = 60;
-  bool accumulate = false;
+  double fps = 60, time = 0;
+  bool accumulate = false, fps_given = false;
 };
 
 struct Output {
@@ -140,6 +141,7 @@ class RenderJob {
     const bool each = std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return out.every_frame; });
 
     scene::Scene scene = scene::load_gltf(o_.scene);
+    scene::animate(scene, o_.time);
     view_.camera = view_.previous_camera = scene::select_view(o_.view, scene);
     gpu::Device device(device_options(o_));
     if (device.facts.software) log::warn("{} is a software device: pass times are CPU times", device.info.name);
@@ -152,6 +154,7 @@ class RenderJob {
       Progress progress("render", total, o_);
       for (uint32_t n = 0; n < total; ++n) {
         const bool last = n + 1 == total || interrupted();
+        move(scene, renderer, n);
         run_frame(renderer, settings, layers, pictures, n, last || (each && n >= o_.warmup));
         if (n >= o_.warmup && each) write(outputs, layers, device, n - o_.warmup, true, true);
         progress.update(n + 1, fmt::format("{:.1f} ms", frame_ms_.empty() ? 0.0 : frame_ms_.back()));
@@ -175,6 +178,14 @@ class RenderJob {
   }
 
  private:
+  // The scene at the frame's time. A mean of many frames is one of a scene at rest, unless a clock was asked for.
+  void move(scene::Scene& scene, passes::Renderer& renderer, uint32_t n) {
+    const bool still = o_.accumulate && !o_.fps_given;
+    renderer.update(scene::animate(scene, o_.time + (still ? 0 : n / o_.fps)));
+    if (view_.camera.node != scene::none) scene::place(scene.nodes.world[view_.camera.node], view_.camera);
+    if (n == 0) view_.previous_camera = view_.camera;
+  }
+
   // A layer that this technique does not have: dropped from "all", an error when it was asked for by name.
   void check_layers(passes::Renderer& renderer, const passes::FrameSettings& settings,
                     std::vector<const passes::Aov*>& layers) {
@@ -338,7 +349,13 @@ Command add_render(CLI::App& parent) {
       ->capture_default_str();
   app->add_flag("--accumulate", state->accumulate,
                 "Write the linear mean of all frames: the technique's expected value");
-  app->add_option("--fps", state->fps, "Fixed clock: simulated seconds per frame are 1 / FPS")
+  app->add_option("--time", state->time, "The scene's time at the first frame, in seconds")
+      ->type_name("S")
+      ->capture_default_str();
+  app->add_option(
+         "--fps", state->fps,
+         "Fixed clock: simulated seconds per frame are 1 / FPS; with --accumulate the scene stands still unless "
+         "this is given")
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
   app->add_option("--precision", state->precision, "EXR channels")
@@ -350,8 +367,9 @@ Command add_render(CLI::App& parent) {
   app->footer(
       "Examples:\n  nearfield render scene.glb -o a.png --size 640x360 --frames 8\n  nearfield render scene.glb --view "
       "view.json -o a.exr --aov all --frames 64 --accumulate");
-  return {app, [state] {
+  return {app, [state, app] {
             start_log(*state);
+            state->fps_given = app->count("--fps") > 0;
             watch_interrupt();
             return RenderJob(*state).run();
           }};

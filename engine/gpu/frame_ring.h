@@ -43,6 +43,8 @@ class FrameRing {
   Frame& begin(VkDeviceSize uniform_bytes, uint32_t timestamps);
   void submit(Frame& frame);
   void wait(const Frame& frame);
+  // For the last submission of the slot that begin() takes next.
+  void wait_next() { wait(frames_[next_]); }
   // How many frames were submitted, and how many of them are done.
   uint64_t submitted() const { return submitted_; }
   uint64_t finished() const;

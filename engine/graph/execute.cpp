@@ -345,6 +345,8 @@ void Executor::record_pass(const Graph& graph, uint32_t position, gpu::Frame& fr
 }
 
 void Executor::dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer commands) {
+  const uint32_t* local = pass.pipeline.interface->local_size;
+  if (pass.threads) return vkCmdDispatch(commands, (pass.threads + local[0] - 1) / local[0], 1, 1);
   if (!pass.has_over) {
     for (const UseRow& use : graph.uses_of(pass))
       if (use.use == Use::IndirectArguments)
@@ -352,7 +354,6 @@ void Executor::dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer
     return;
   }
   const Size size = size_of(graph.resources[pass.over].desc, pass.over_part.mip);
-  const uint32_t* local = pass.pipeline.interface->local_size;
   vkCmdDispatch(commands, (size.width + local[0] - 1) / local[0], (size.height + local[1] - 1) / local[1],
                 (pass.over_part.layers + local[2] - 1) / local[2]);
 }

@@ -233,6 +233,11 @@ PassBuilder& PassBuilder::over(TexPart tex) {
   return *this;
 }
 
+PassBuilder& PassBuilder::over(uint32_t threads) {
+  graph_.passes[pass_].threads = threads;
+  return *this;
+}
+
 PassBuilder& PassBuilder::set_draw(const DrawCallback& callback) {
   graph_.passes[pass_].draw = callback;
   return *this;

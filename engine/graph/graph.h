@@ -184,6 +184,7 @@ struct PassRow {
       no_resource;  // compute: the image whose texels (of over_part's first mip, layers in z) are the threads
   Part over_part;
   bool has_over = false;
+  uint32_t threads = 0;          // compute: their number, where no image says it
   uint64_t argument_offset = 0;  // compute with indirect(): bytes
   DrawCallback draw;
   Location at;
@@ -216,6 +217,7 @@ class PassBuilder {
   }
   PassBuilder& params_raw(const ParamTable& table, const void* data, Location at = Location::current());
   PassBuilder& over(TexPart tex);
+  PassBuilder& over(uint32_t threads);
   template <class F>
   PassBuilder& draw(const F& callback) {
     return set_draw(DrawCallback(callback));
@@ -271,6 +273,7 @@ class Graph {
   void forget_histories() { histories_ = {}; }
 
   Tex tex(uint16_t row) const { return {row, serial_}; }
+  Buf buf(uint16_t row) const { return {row, serial_}; }
   // Of a handle that is not of this graph: a texel without format. validate() reports its use.
   const ImageDesc& desc(Tex tex) const;
 

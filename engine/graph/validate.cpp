@@ -261,13 +261,16 @@ class Validator {
   }
 
   void check_threads() {
-    const auto arguments = std::count_if(uses().begin(), uses().end(),
-                                         [](const UseRow& use) { return use.use == Use::IndirectArguments; });
-    if (!pass_->has_over && arguments != 1)
+    auto sources = std::count_if(uses().begin(), uses().end(),
+                                 [](const UseRow& use) { return use.use == Use::IndirectArguments; });
+    sources += (pass_->has_over ? 1 : 0) + (pass_->threads ? 1 : 0);
+    if (sources == 0)
       report(Diagnostic::Kind::SizeMismatch, pass_->at,
-             "no over(): a compute pass must say which image its threads cover, or take their number with indirect()");
-    if (pass_->has_over && arguments)
-      report(Diagnostic::Kind::SizeMismatch, pass_->at, "has over() and indirect(): one of them says how many threads");
+             "no over(): a compute pass must say which image its threads cover or how many there are, or take their "
+             "number with indirect()");
+    if (sources > 1)
+      report(Diagnostic::Kind::SizeMismatch, pass_->at,
+             "more than one over() or indirect(): one of them says how many threads");
     if (!pass_->has_over) return;
     const ImageDesc& desc = graph_.resources[pass_->over].desc;
     if (pass_->over_part.mip >= desc.mips || pass_->over_part.layer + pass_->over_part.layers > desc.layers)

@@ -2,11 +2,21 @@
 #ifndef NF_COMMON_SCENE_GLSL
 #define NF_COMMON_SCENE_GLSL
 
+const uint NONE = 0xFFFFFFFFu;
+
 struct Instance {
   mat4 world;
   mat4 previous_world;
   uint material;
   float mirrored;
+  uint first_vertex;  // of its primitive: gl_VertexIndex counts from the scene's first
+  uint deformed;      // its first row of the deformed vertices; NONE = only transformed
+};
+
+// World space.
+struct DeformedVertex {
+  vec3 position, previous, normal;
+  vec4 tangent;
 };
 
 struct Material {
@@ -16,7 +26,14 @@ struct Material {
   float roughness;
   float normal_scale;
   float alpha_cutoff;
-  ivec4 layers;  // base colour, metallic-roughness, normal, emissive; -1 = no texture
+  ivec4 layers;          // base colour, metallic-roughness, normal, emissive; -1 = no texture
+  int occlusion_layer;
+  float occlusion_strength;
+  float dielectric_f0;
+  uint unlit;
+  uint uv_sets;          // bit i: texture i of the five is looked up with the second set
+  mat2 uv_linear[5];     // uv' = linear * uv + offset
+  vec2 uv_offset[5];
 };
 
 struct Light {
