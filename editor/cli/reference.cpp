@@ -1,0 +1,330 @@
+// `nearfield reference`: the path-traced truth of a view, layer by layer, to a number of samples, a time or an error.
+#include "reference/reference.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "cli/options.h"
+#include "cli/progress.h"
+#include "core/log.h"
+#include "image/file.h"
+#include "scene/gltf.h"
+#include "scene/view.h"
+
+namespace nf::editor {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct ReferenceOptions : CommonOptions {
+  std::string scene, output, json_file, precision = "float", radius = "inf", radius_mode = "ball", pixel = "center";
+  std::string aov = "direct,direct_diffuse,indirect,gi,ambient,visibility,albedo,normal,depth";
+  std::string sampler = "sobol", emitters = "both";
+  uint32_t bounces = 4, threads = 0;
+  std::optional<uint32_t> spp;
+  std::optional<double> seconds, until_error;
+  float falloff = 0.615f;
+  bool resume = false, halves = false, include_ambient = false;
+};
+
+constexpr uint32_t default_spp = 64, most_spp = 1u << 24;
+
+float parse_radius(const std::string& text) {
+  if (text == "inf") return std::numeric_limits<float>::infinity();
+  float value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value > 0) || !std::isfinite(value))
+    fail(Exit::Usage, "bad --radius '{}': give metres above 0, or inf", text);
+  return value;
+}
+
+reference::Settings tracer_settings(const ReferenceOptions& o, bool lambert) {
+  reference::Settings s;
+  s.size = parse_size(o.size);
+  s.bounces = o.bounces;
+  s.radius = parse_radius(o.radius);
+  s.radius_mode = o.radius_mode == "disc"           ? reference::RadiusMode::Disc
+                  : o.radius_mode == "ball_falloff" ? reference::RadiusMode::BallFalloff
+                                                    : reference::RadiusMode::Ball;
+  s.falloff = o.falloff;
+  s.lambert = lambert;
+  s.include_ambient = o.include_ambient;
+  s.pixel_box = o.pixel == "box";
+  s.sampler = o.sampler == "independent" ? reference::SamplerKind::Independent : reference::SamplerKind::Sobol;
+  s.emitters = o.emitters == "directions" ? reference::EmitterSampling::Directions
+               : o.emitters == "surfaces" ? reference::EmitterSampling::Surfaces
+                                          : reference::EmitterSampling::Both;
+  s.seed = o.seed;
+  s.threads = o.threads;
+  return s;
+}
+
+void check_output(const std::string& name, const char* extension) {
+  if (fs::path(name).extension() != extension)
+    fail(Exit::Usage, "bad output '{}': the name must end in {}", name, extension);
+  const fs::path folder = fs::path(name).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder))
+    fail(Exit::Output, "cannot write '{}': there is no folder '{}'; make it first", name, folder.string());
+}
+
+class ReferenceJob {
+ public:
+  explicit ReferenceJob(ReferenceOptions& options) : o_(options), checkpoint_(o_.output + ".checkpoint") {}
+
+  int run() {
+    check_output(o_.output, ".exr");
+    if (!o_.json_file.empty() && o_.json_file != "-") check_output(o_.json_file, ".json");
+    const passes::FrameSettings frame = make_settings(o_);
+    reference::Settings settings = tracer_settings(o_, frame.material.lambert != 0);
+    const std::vector<std::string> layers = reference::parse_layers(o_.aov, o_.bounces);
+    scene::Scene scene = scene::load_gltf(o_.scene);
+    settings.camera = scene::select_view(o_.view, scene);
+    start_ = Clock::now();
+    reference::Tracer tracer(scene, settings, layers);
+    log::debug("ray structure of {} triangles after {:.2f} s", scene.triangles(), elapsed());
+    if (o_.resume && fs::exists(checkpoint_)) {
+      tracer.load(checkpoint_);
+      log::info("resuming at {} samples a pixel", tracer.samples());
+    }
+    const bool complete = work(tracer);
+    write(tracer, complete);
+    report(tracer, complete);
+    return int(complete ? Exit::Ok : Exit::Interrupted);
+  }
+
+ private:
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  // Rounds of about half a second; false when interrupted before the target.
+  bool work(reference::Tracer& tracer) {
+    const bool by_count = o_.spp || (!o_.seconds && !o_.until_error);
+    const uint32_t target = by_count ? o_.spp.value_or(default_spp) : most_spp;
+    Progress progress("reference", by_count ? target : o_.seconds ? uint64_t(*o_.seconds * 10) + 1 : 1000, o_);
+    uint32_t round = 2;
+    double saved = elapsed();
+    while (tracer.samples() < target) {
+      if (o_.seconds && tracer.samples() > 0 && elapsed() >= *o_.seconds) break;
+      if (interrupted() && tracer.samples() > 0) return false;
+      const double before = elapsed();
+      tracer.sample(std::min(round, target - tracer.samples()));
+      const double took = elapsed() - before;
+      if (took < 0.25) round = std::min(round * 2, 4096u);
+      if (took > 1 && round > 2) round = std::max(2u, round / 4 * 2);
+      const double error = worst(tracer);
+      if (o_.until_error && tracer.samples() >= 16 && error <= *o_.until_error) break;
+      const std::string note = fmt::format("{} spp, noise {:.2f} %", tracer.samples(), 100 * error);
+      // Towards an error the way is as the square of its ratio.
+      const double goal = o_.until_error ? *o_.until_error : 0;
+      progress.update(by_count     ? tracer.samples()
+                      : o_.seconds ? uint64_t(std::min(elapsed(), *o_.seconds) * 10)
+                                   : uint64_t(std::min(999.0, error > 0 ? 1000 * goal * goal / (error * error) : 0)),
+                      note);
+      if (elapsed() - saved > 60) {
+        tracer.save(checkpoint_);
+        saved = elapsed();
+      }
+    }
+    return true;
+  }
+
+  // The relative noise of the layer that has most of it.
+  static double worst(const reference::Tracer& tracer) {
+    double most = 0;
+    for (const reference::Noise& n : tracer.noise()) most = std::max(most, n.relative());
+    return most;
+  }
+
+  void write(reference::Tracer& tracer, bool complete) {
+    std::string noise;
+    for (const reference::Noise& n : tracer.noise())
+      noise += fmt::format("{}{}={:.6g}", noise.empty() ? "" : " ", n.layer.empty() ? "RGB" : n.layer, n.rmse);
+    const std::map<std::string, std::string> header = {
+        {"nearfield.command", command_line()},
+        {"nearfield.version", version_short()},
+        {"nearfield.device", reference::backend()},
+        {"nearfield.seed", fmt::format("{}", o_.seed)},
+        {"nearfield.spp", fmt::format("{}", tracer.samples())},
+        {"nearfield.bounces", fmt::format("{}", o_.bounces)},
+        {"nearfield.radius", fmt::format("{} {}", o_.radius, o_.radius_mode)},
+        {"nearfield.noise_rmse", noise},
+        {"nearfield.complete", complete ? "true" : "false"}};
+    const image::Precision precision = o_.precision == "half" ? image::Precision::Half : image::Precision::Float;
+    const auto put = [&](const std::string& name, const std::vector<image::Layer>& layers) {
+      for (const image::Layer& layer : layers) {
+        const image::NonFinite bad = image::find_non_finite(layer.image);
+        if (bad.any())
+          log::error("layer '{}': {} NaN and {} infinite values, the first at pixel {},{}", layer.name, bad.nan,
+                     bad.inf, bad.first_x, bad.first_y);
+      }
+      image::write_exr(name, layers, header, precision);
+      written_.push_back(name);
+    };
+    put(o_.output, tracer.layers());
+    if (o_.halves) {
+      const std::string stem = o_.output.substr(0, o_.output.size() - 4);
+      put(stem + ".a.exr", tracer.half(0));
+      put(stem + ".b.exr", tracer.half(1));
+    }
+    if (!complete || o_.resume) {
+      tracer.save(checkpoint_);
+      written_.push_back(checkpoint_);
+    } else {
+      std::error_code ignored;
+      fs::remove(checkpoint_, ignored);
+    }
+  }
+
+  void report(const reference::Tracer& tracer, bool complete) {
+    const double seconds = elapsed(), rays = double(tracer.rays()) / std::max(seconds, 1e-6);
+    if (!o_.json_file.empty()) {
+      nlohmann::json noise = nlohmann::json::array();
+      for (const reference::Noise& n : tracer.noise())
+        noise.push_back({{"layer", n.layer}, {"rmse", n.rmse}, {"mean", n.mean}, {"relative", n.relative()}});
+      const nlohmann::json document = {{"schema", "nearfield.reference/1"},
+                                       {"complete", complete},
+                                       {"version", version_line()},
+                                       {"command", command_line()},
+                                       {"backend", reference::backend()},
+                                       {"size", {parse_size(o_.size).x, parse_size(o_.size).y}},
+                                       {"spp", tracer.samples()},
+                                       {"seconds", seconds},
+                                       {"rays_per_second", rays},
+                                       {"noise", noise},
+                                       {"written", written_}};
+      const std::string text = document.dump(1) + "\n";
+      if (o_.json_file == "-") {
+        fmt::print("{}", text);
+        return;
+      }
+      image::write_file(o_.json_file, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+      written_.push_back(o_.json_file);
+    }
+    if (!o_.quiet) {
+      fmt::print("{} samples a pixel in {:.1f} s, {:.2f} million rays/s; noise left, from two halves:\n",
+                 tracer.samples(), seconds, rays / 1e6);
+      for (const reference::Noise& n : tracer.noise())
+        fmt::print("  {:16} {:10.3g}  {:6.2f} % of its mean\n", n.layer.empty() ? "R,G,B" : n.layer, n.rmse,
+                   100 * n.relative());
+    }
+    for (const std::string& name : written_) fmt::print("{}\n", name);
+  }
+
+  ReferenceOptions& o_;
+  std::string checkpoint_;
+  Clock::time_point start_;
+  std::vector<std::string> written_;
+};
+
+std::string layer_help() {
+  std::string text = "Layers (R,G,B, the final radiance, is always there):\n";
+  for (const reference::LayerInfo& info : reference::layer_infos())
+    if (*info.name) text += fmt::format("  {:16} {}\n", info.name, info.help);
+  return text +
+         "  gi_K, indirect_K the same with K bounces\n"
+         "Light is counted as `render` counts it, so that layers compare one by one. Ctrl-C finishes the round, writes "
+         "what\n"
+         "is there and a checkpoint beside it; --resume goes on from there, and keeps the checkpoint for still more "
+         "samples.\n"
+         "Examples:\n"
+         "  nearfield reference scene.glb -o ref.exr --size 640x360 --spp 1024\n"
+         "  nearfield reference scene.glb -o ref.exr --until-error 0.01 --resume     # 1 % noise in every layer\n"
+         "  nearfield reference scene.glb -o ao.exr --aov visibility --radius 2 --radius-mode disc --seconds 30\n"
+         "  nearfield compare frame.exr ref.exr --layer gi --block 8";
+}
+
+void add_flags(CLI::App& app, ReferenceOptions& o) {
+  app.add_option("SCENE", o.scene, "glTF scene (.gltf, .glb)")->required();
+  app.add_option("-o,--output", o.output, "Where to write, .exr")->type_name("FILE")->required();
+  app.add_option("--aov", o.aov, "Layers: all, or a list")->type_name("LIST")->capture_default_str();
+  app.add_option("--spp", o.spp, "Samples a pixel, rounded up to an even number (default 64; powers of two are best)")
+      ->type_name("N")
+      ->check(CLI::Range(1u, most_spp));
+  app.add_option("--seconds", o.seconds, "Stop after this time")->type_name("S")->check(CLI::PositiveNumber);
+  app.add_option("--until-error", o.until_error, "Stop when the noise of every layer is below this share of its mean")
+      ->type_name("E")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--bounces", o.bounces, "Bounces of gi and indirect: eye, surface, K more surfaces")
+      ->type_name("K")
+      ->check(CLI::Range(0u, reference::max_bounces))
+      ->capture_default_str();
+  app.add_option("--radius", o.radius, "Radius of visibility and bent in metres, or inf")
+      ->type_name("R")
+      ->capture_default_str();
+  app.add_option(
+         "--radius-mode", o.radius_mode,
+         "ball: occluders within R of the point; ball_falloff: with a weight that fades; disc: within R of it on the "
+         "screen, at any depth, as techniques on a depth buffer see them")
+      ->check(CLI::IsMember({"ball", "ball_falloff", "disc"}))
+      ->capture_default_str();
+  app.add_option("--falloff", o.falloff, "Share of the radius over which ball_falloff fades")
+      ->check(CLI::Range(0.0f, 1.0f))
+      ->capture_default_str();
+  app.add_flag("--include-ambient", o.include_ambient, "gi gathers the environment's light at the bounces too");
+  app.add_option("--pixel", o.pixel, "center: one point, as the G-buffer has it; box: the mean over the pixel")
+      ->check(CLI::IsMember({"center", "box"}))
+      ->capture_default_str();
+  app.add_option("--sampler", o.sampler, "Random numbers")
+      ->check(CLI::IsMember({"sobol", "independent"}))
+      ->capture_default_str();
+  app.add_option("--emitters", o.emitters,
+                 "How emissive surfaces are found: by choosing surfaces, by directions, or both weighed")
+      ->check(CLI::IsMember({"both", "directions", "surfaces"}))
+      ->capture_default_str();
+  app.add_flag("--halves", o.halves, "Also write both half-buffers, FILE.a.exr and FILE.b.exr");
+  app.add_flag("--resume", o.resume, "Go on from FILE.exr.checkpoint where there is one, and keep it");
+  app.add_option("--threads", o.threads, "Threads (0: all); the bytes do not depend on it")
+      ->check(CLI::Range(0u, 256u));
+  app.add_option("--size", o.size, "Picture size in pixels")
+      ->type_name("WxH")
+      ->capture_default_str()
+      ->envname("NEARFIELD_SIZE");
+  app.add_option("--view", o.view,
+                 "Camera: a view FILE.json (camera and lights), a camera's NAME in the scene, or its INDEX")
+      ->envname("NEARFIELD_VIEW");
+  app.add_option("--set", o.sets, "Set a parameter; of use here: --set material.lambert=true")
+      ->type_name("ID=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--preset", o.preset, "JSON preset; flags win over it")
+      ->type_name("FILE")
+      ->envname("NEARFIELD_PRESET");
+  app.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->envname("NEARFIELD_SEED");
+  app.add_option("--precision", o.precision, "EXR channels")
+      ->check(CLI::IsMember({"half", "float"}))
+      ->capture_default_str();
+  app.add_option("--progress", o.progress, "Progress on stderr")
+      ->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}))
+      ->capture_default_str();
+  app.add_option("--json", o.json_file, "Samples, time, noise and paths as one JSON document; - for stdout")
+      ->type_name("FILE");
+  add_log_flags(app, o);
+}
+
+}  // namespace
+
+Command add_reference(CLI::App& parent) {
+  auto state = std::make_shared<ReferenceOptions>();
+  CLI::App* app = parent.add_subcommand("reference", "Path-trace the truth of a view into layers, on the CPU");
+  add_flags(*app, *state);
+  app->parse_complete_callback([app, state = state.get()] {
+    state->size_given = app->count("--size") > 0;
+    state->seed_given = app->count("--seed") > 0;
+    state->view_given = app->count("--view") > 0;
+  });
+  app->footer(layer_help());
+  return {app, [state] {
+            start_log(*state);
+            watch_interrupt();
+            return ReferenceJob(*state).run();
+          }};
+}
+
+}  // namespace nf::editor
