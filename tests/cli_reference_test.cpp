@@ -132,7 +132,32 @@ TEST_F(CliReferenceTest, SettingsReachTheTracer) {
             layer({"--spp", "8", "--aov", "indirect", "--set", "material.lambert=true"}, "indirect"));
 }
 
+// Marched through buffers that it traces itself, or that a file gives: the same ones, the same light.
+TEST_F(CliReferenceTest, SameInformation) {
+  const auto layers = [&](const Words& words) {
+    const Outcome o = reference(words);
+    EXPECT_EQ(o.code, 0) << o.err;
+    std::map<std::string, std::vector<float>> pixels;
+    for (const image::Layer& l : image::read_exr(out("r.exr")).layers) pixels[l.name] = l.image.pixels;
+    return pixels;
+  };
+  const auto own = layers({"--same-information", "--spp", "8"});
+  for (const char* name : {"gi", "visibility", "bent", "depth", "normal", "radiance"})
+    EXPECT_TRUE(own.count(name)) << name;
+  EXPECT_EQ(image::read_exr(out("r.exr")).header.at("nearfield.radius"), "4 disc");
+  const std::string buffers = (base_ / "in/buffers.exr").string();
+  std::filesystem::copy(out("r.exr"), buffers);
+  EXPECT_EQ(layers({"--same-information", "--spp", "8", "--buffers", buffers}), own);
+  EXPECT_NE(layers({"--same-information", "--spp", "8", "--set", "gi.thickness=1"}).at("visibility"),
+            own.at("visibility"));
+  EXPECT_NE(layers({"--same-information", "--spp", "8", "--set", "gi.radius=0.1"}).at("gi"), own.at("gi"));
+  EXPECT_NE(layers({"--same-information", "--spp", "8", "--directions", "uniform"}).at("gi"), own.at("gi"));
+}
+
 TEST_F(CliReferenceTest, Failures) {
+  fails(2, {"--same-information", "--resume"}, "--resume");
+  fails(2, {"--buffers", "b.exr"}, "--same-information");
+  fails(3, {"--same-information", "--buffers", "/no/such.exr"}, "/no/such.exr");
   fails(2, {"--spp", "0"}, "--spp");
   fails(2, {"--radius", "wide"}, "--radius");
   fails(2, {"--radius", "-1"}, "--radius");

@@ -1,6 +1,4 @@
 // `nearfield reference`: the path-traced truth of a view, layer by layer, to a number of samples, a time or an error.
-#include "reference/reference.h"
-
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -16,6 +14,7 @@
 #include "cli/progress.h"
 #include "core/log.h"
 #include "image/file.h"
+#include "reference/same_information.h"
 #include "scene/gltf.h"
 #include "scene/view.h"
 
@@ -26,20 +25,20 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 struct ReferenceOptions : CommonOptions {
-  std::string scene, output, json_file, precision = "float", radius = "inf", radius_mode = "ball", pixel = "center";
+  std::string scene, output, json_file, precision = "float", radius, radius_mode, pixel = "center", buffers;
   std::string aov = "direct,direct_diffuse,indirect,gi,ambient,visibility,albedo,normal,depth";
-  std::string sampler = "sobol", emitters = "both";
+  std::string sampler = "sobol", emitters = "both", directions = "cosine";
   uint32_t bounces = 4, threads = 0;
   std::optional<uint32_t> spp;
   std::optional<double> seconds, until_error;
   float falloff = 0.615f;
-  bool resume = false, halves = false, include_ambient = false;
+  bool resume = false, halves = false, include_ambient = false, same_information = false, any_emitter = false;
 };
 
 constexpr uint32_t default_spp = 64, most_spp = 1u << 24;
 
 float parse_radius(const std::string& text) {
-  if (text == "inf") return std::numeric_limits<float>::infinity();
+  if (text.empty() || text == "inf") return std::numeric_limits<float>::infinity();
   float value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !(value > 0) || !std::isfinite(value))
@@ -47,14 +46,19 @@ float parse_radius(const std::string& text) {
   return value;
 }
 
+reference::RadiusMode parse_radius_mode(const std::string& text, reference::RadiusMode otherwise) {
+  if (text.empty()) return otherwise;
+  return text == "disc"           ? reference::RadiusMode::Disc
+         : text == "ball_falloff" ? reference::RadiusMode::BallFalloff
+                                  : reference::RadiusMode::Ball;
+}
+
 reference::Settings tracer_settings(const ReferenceOptions& o, bool lambert) {
   reference::Settings s;
   s.size = parse_size(o.size);
   s.bounces = o.bounces;
   s.radius = parse_radius(o.radius);
-  s.radius_mode = o.radius_mode == "disc"           ? reference::RadiusMode::Disc
-                  : o.radius_mode == "ball_falloff" ? reference::RadiusMode::BallFalloff
-                                                    : reference::RadiusMode::Ball;
+  s.radius_mode = parse_radius_mode(o.radius_mode, reference::RadiusMode::Ball);
   s.falloff = o.falloff;
   s.lambert = lambert;
   s.include_ambient = o.include_ambient;
@@ -63,6 +67,24 @@ reference::Settings tracer_settings(const ReferenceOptions& o, bool lambert) {
   s.emitters = o.emitters == "directions" ? reference::EmitterSampling::Directions
                : o.emitters == "surfaces" ? reference::EmitterSampling::Surfaces
                                           : reference::EmitterSampling::Both;
+  s.seed = o.seed;
+  s.threads = o.threads;
+  return s;
+}
+
+// Radius and thickness are the techniques' own unless given.
+reference::MarchSettings march_settings(const ReferenceOptions& o, const passes::GiParams& gi,
+                                        const scene::Camera& camera) {
+  reference::MarchSettings s;
+  s.camera = camera;
+  s.radius = o.radius.empty() ? gi.radius : parse_radius(o.radius);
+  s.radius_mode = parse_radius_mode(o.radius_mode, reference::RadiusMode::Disc);
+  s.falloff = o.falloff;
+  s.thickness = gi.thickness;
+  s.infinite_thickness = gi.infinite_thickness != 0;
+  s.one_sided = !o.any_emitter;
+  s.uniform = o.directions == "uniform";
+  s.sampler = o.sampler == "independent" ? reference::SamplerKind::Independent : reference::SamplerKind::Sobol;
   s.seed = o.seed;
   s.threads = o.threads;
   return s;
@@ -86,26 +108,67 @@ class ReferenceJob {
     const passes::FrameSettings frame = make_settings(o_);
     reference::Settings settings = tracer_settings(o_, frame.material.lambert != 0);
     const std::vector<std::string> layers = reference::parse_layers(o_.aov, o_.bounces);
+    check_kind(frame.gi.shared);
     scene::Scene scene = scene::load_gltf(o_.scene);
     settings.camera = scene::select_view(o_.view, scene);
     start_ = Clock::now();
+    if (o_.same_information) {
+      reference::Buffers buffers = read_buffers(scene, settings);
+      reference::Marcher marcher(std::move(buffers), march_settings(o_, frame.gi.shared, settings.camera));
+      return finish(marcher);
+    }
     reference::Tracer tracer(scene, settings, layers);
     log::debug("ray structure of {} triangles after {:.2f} s", scene.triangles(), elapsed());
     if (o_.resume && fs::exists(checkpoint_)) {
       tracer.load(checkpoint_);
       log::info("resuming at {} samples a pixel", tracer.samples());
     }
-    const bool complete = work(tracer);
-    write(tracer, complete);
-    report(tracer, complete);
-    return int(complete ? Exit::Ok : Exit::Interrupted);
+    return finish(tracer);
   }
 
  private:
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
+  void check_kind(const passes::GiParams& gi) {
+    if (o_.same_information && o_.resume)
+      fail(Exit::Usage, "--same-information has no checkpoints: leave --resume away");
+    if (!o_.same_information && (!o_.buffers.empty() || o_.any_emitter || o_.directions != "cosine"))
+      fail(Exit::Usage, "--buffers, --any-emitter and --directions belong to --same-information: add it");
+    const std::string radius = !o_.radius.empty()    ? o_.radius
+                               : o_.same_information ? fmt::format("{}", gi.radius)
+                                                     : "inf";
+    const std::string mode = !o_.radius_mode.empty() ? o_.radius_mode : o_.same_information ? "disc" : "ball";
+    radius_text_ = radius + " " + mode;
+  }
+
+  // What the techniques see: out of a file, or made here from the first surfaces and their direct light.
+  reference::Buffers read_buffers(const scene::Scene& scene, const reference::Settings& settings) {
+    if (o_.buffers.empty()) {
+      reference::Tracer tracer(scene, settings, {"depth", "normal", "radiance"});
+      tracer.sample(2);
+      inputs_ = tracer.layers();
+    } else {
+      for (image::Layer& layer : image::read_exr(o_.buffers).layers)
+        if (layer.name == "depth" || layer.name == "normal" || layer.name == "radiance")
+          inputs_.push_back(std::move(layer));
+    }
+    return reference::buffers_from(inputs_);
+  }
+
+  template <class Estimator>
+  int finish(Estimator& estimator) {
+    const bool complete = work(estimator);
+    write(estimator, complete);
+    report(estimator, complete);
+    return int(complete ? Exit::Ok : Exit::Interrupted);
+  }
+
+  template <class Estimator>
+  static constexpr bool traces = std::is_same_v<Estimator, reference::Tracer>;
+
   // Rounds of about half a second; false when interrupted before the target.
-  bool work(reference::Tracer& tracer) {
+  template <class Estimator>
+  bool work(Estimator& tracer) {
     const bool by_count = o_.spp || (!o_.seconds && !o_.until_error);
     const uint32_t target = by_count ? o_.spp.value_or(default_spp) : most_spp;
     Progress progress("reference", by_count ? target : o_.seconds ? uint64_t(*o_.seconds * 10) + 1 : 1000, o_);
@@ -128,35 +191,38 @@ class ReferenceJob {
                       : o_.seconds ? uint64_t(std::min(elapsed(), *o_.seconds) * 10)
                                    : uint64_t(std::min(999.0, error > 0 ? 1000 * goal * goal / (error * error) : 0)),
                       note);
-      if (elapsed() - saved > 60) {
-        tracer.save(checkpoint_);
-        saved = elapsed();
+      if constexpr (traces<Estimator>) {
+        if (elapsed() - saved > 60) {
+          tracer.save(checkpoint_);
+          saved = elapsed();
+        }
       }
     }
     return true;
   }
 
   // The relative noise of the layer that has most of it.
-  static double worst(const reference::Tracer& tracer) {
+  template <class Estimator>
+  static double worst(const Estimator& tracer) {
     double most = 0;
     for (const reference::Noise& n : tracer.noise()) most = std::max(most, n.relative());
     return most;
   }
 
-  void write(reference::Tracer& tracer, bool complete) {
+  template <class Estimator>
+  void write(Estimator& tracer, bool complete) {
     std::string noise;
     for (const reference::Noise& n : tracer.noise())
       noise += fmt::format("{}{}={:.6g}", noise.empty() ? "" : " ", n.layer.empty() ? "RGB" : n.layer, n.rmse);
-    const std::map<std::string, std::string> header = {
-        {"nearfield.command", command_line()},
-        {"nearfield.version", version_short()},
-        {"nearfield.device", reference::backend()},
-        {"nearfield.seed", fmt::format("{}", o_.seed)},
-        {"nearfield.spp", fmt::format("{}", tracer.samples())},
-        {"nearfield.bounces", fmt::format("{}", o_.bounces)},
-        {"nearfield.radius", fmt::format("{} {}", o_.radius, o_.radius_mode)},
-        {"nearfield.noise_rmse", noise},
-        {"nearfield.complete", complete ? "true" : "false"}};
+    const std::map<std::string, std::string> header = {{"nearfield.command", command_line()},
+                                                       {"nearfield.version", version_short()},
+                                                       {"nearfield.device", reference::backend()},
+                                                       {"nearfield.seed", fmt::format("{}", o_.seed)},
+                                                       {"nearfield.spp", fmt::format("{}", tracer.samples())},
+                                                       {"nearfield.bounces", fmt::format("{}", o_.bounces)},
+                                                       {"nearfield.radius", radius_text_},
+                                                       {"nearfield.noise_rmse", noise},
+                                                       {"nearfield.complete", complete ? "true" : "false"}};
     const image::Precision precision = o_.precision == "half" ? image::Precision::Half : image::Precision::Float;
     const auto put = [&](const std::string& name, const std::vector<image::Layer>& layers) {
       for (const image::Layer& layer : layers) {
@@ -168,23 +234,30 @@ class ReferenceJob {
       image::write_exr(name, layers, header, precision);
       written_.push_back(name);
     };
-    put(o_.output, tracer.layers());
+    std::vector<image::Layer> all = tracer.layers();
+    all.insert(all.end(), inputs_.begin(), inputs_.end());
+    put(o_.output, all);
     if (o_.halves) {
       const std::string stem = o_.output.substr(0, o_.output.size() - 4);
       put(stem + ".a.exr", tracer.half(0));
       put(stem + ".b.exr", tracer.half(1));
     }
-    if (!complete || o_.resume) {
-      tracer.save(checkpoint_);
-      written_.push_back(checkpoint_);
-    } else {
-      std::error_code ignored;
-      fs::remove(checkpoint_, ignored);
+    if constexpr (traces<Estimator>) {
+      if (!complete || o_.resume) {
+        tracer.save(checkpoint_);
+        written_.push_back(checkpoint_);
+      } else {
+        std::error_code ignored;
+        fs::remove(checkpoint_, ignored);
+      }
     }
   }
 
-  void report(const reference::Tracer& tracer, bool complete) {
-    const double seconds = elapsed(), rays = double(tracer.rays()) / std::max(seconds, 1e-6);
+  template <class Estimator>
+  void report(const Estimator& tracer, bool complete) {
+    const double seconds = elapsed();
+    double rays = double(tracer.samples()) * parse_size(o_.size).x * parse_size(o_.size).y / std::max(seconds, 1e-6);
+    if constexpr (traces<Estimator>) rays = double(tracer.rays()) / std::max(seconds, 1e-6);
     if (!o_.json_file.empty()) {
       nlohmann::json noise = nlohmann::json::array();
       for (const reference::Noise& n : tracer.noise())
@@ -222,6 +295,8 @@ class ReferenceJob {
   std::string checkpoint_;
   Clock::time_point start_;
   std::vector<std::string> written_;
+  std::vector<image::Layer> inputs_;  // of --same-information
+  std::string radius_text_;
 };
 
 std::string layer_help() {
@@ -238,7 +313,13 @@ std::string layer_help() {
          "  nearfield reference scene.glb -o ref.exr --size 640x360 --spp 1024\n"
          "  nearfield reference scene.glb -o ref.exr --until-error 0.01 --resume     # 1 % noise in every layer\n"
          "  nearfield reference scene.glb -o ao.exr --aov visibility --radius 2 --radius-mode disc --seconds 30\n"
-         "  nearfield compare frame.exr ref.exr --layer gi --block 8";
+         "  nearfield compare frame.exr ref.exr --layer gi --block 8\n"
+         "The error of a technique has two parts: its own, against --same-information, and what the screen does not "
+         "show,\n"
+         "which is that against the path tracer:\n"
+         "  nearfield render scene.glb -o f.exr --aov all --precision float --frames 64 --accumulate\n"
+         "  nearfield reference scene.glb -o same.exr --same-information --buffers f.exr --spp 256\n"
+         "  nearfield compare f.exr same.exr --layer gi_raw --reference-layer gi --block 8";
 }
 
 void add_flags(CLI::App& app, ReferenceOptions& o) {
@@ -256,15 +337,15 @@ void add_flags(CLI::App& app, ReferenceOptions& o) {
       ->type_name("K")
       ->check(CLI::Range(0u, reference::max_bounces))
       ->capture_default_str();
-  app.add_option("--radius", o.radius, "Radius of visibility and bent in metres, or inf")
-      ->type_name("R")
-      ->capture_default_str();
+  app.add_option("--radius", o.radius,
+                 "Radius of visibility and bent in metres, or inf (the default); with --same-information of gi too, "
+                 "and gi.radius the default")
+      ->type_name("R");
   app.add_option(
          "--radius-mode", o.radius_mode,
          "ball: occluders within R of the point; ball_falloff: with a weight that fades; disc: within R of it on the "
-         "screen, at any depth, as techniques on a depth buffer see them")
-      ->check(CLI::IsMember({"ball", "ball_falloff", "disc"}))
-      ->capture_default_str();
+         "screen, at any depth, as techniques on a depth buffer see them. Default ball, with --same-information disc")
+      ->check(CLI::IsMember({"ball", "ball_falloff", "disc"}));
   app.add_option("--falloff", o.falloff, "Share of the radius over which ball_falloff fades")
       ->check(CLI::Range(0.0f, 1.0f))
       ->capture_default_str();
@@ -279,6 +360,16 @@ void add_flags(CLI::App& app, ReferenceOptions& o) {
                  "How emissive surfaces are found: by choosing surfaces, by directions, or both weighed")
       ->check(CLI::IsMember({"both", "directions", "surfaces"}))
       ->capture_default_str();
+  app.add_flag("--same-information", o.same_information,
+               "Instead march rays through what the techniques see: depth with gi.thickness, normals, radiance");
+  app.add_option("--buffers", o.buffers,
+                 "Take that from an EXR of `render --aov depth,normal,radiance --precision float` of this view; else "
+                 "it is traced here")
+      ->type_name("FILE");
+  app.add_option("--directions", o.directions, "How the marched rays are spread")
+      ->check(CLI::IsMember({"cosine", "uniform"}))
+      ->capture_default_str();
+  app.add_flag("--any-emitter", o.any_emitter, "Marched rays take light from surfaces turned away, too");
   app.add_flag("--halves", o.halves, "Also write both half-buffers, FILE.a.exr and FILE.b.exr");
   app.add_flag("--resume", o.resume, "Go on from FILE.exr.checkpoint where there is one, and keep it");
   app.add_option("--threads", o.threads, "Threads (0: all); the bytes do not depend on it")

@@ -1,12 +1,10 @@
 // Threads over rows of the picture, and what survives an interruption.
-#include <algorithm>
 #include <cstring>
-#include <mutex>
-#include <thread>
 
 #include "core/error.h"
 #include "image/file.h"
 #include "reference/film.h"
+#include "reference/parallel.h"
 
 namespace nf::reference {
 namespace {
@@ -111,27 +109,12 @@ void Tracer::sample(uint32_t count) {
   State& state = *state_;
   const uint32_t each = (count + 1) / 2;
   const Integrator it{state.world, state.rays, state.lights, state.settings, wanted_by(state.film)};
-  std::atomic<uint32_t> next_row = 0;
   std::atomic<uint64_t> rays = 0;
-  std::exception_ptr failure;
-  std::mutex failure_lock;
-  const auto work = [&] {
-    try {
-      uint64_t rays_here = 0;
-      for (uint32_t y; (y = next_row++) < state.film.size.y;)
-        for (uint32_t x = 0; x < state.film.size.x; ++x) state.sample_pixel(it, x, y, each, rays_here);
-      rays += rays_here;
-    } catch (...) {
-      const std::lock_guard hold(failure_lock);
-      failure = std::current_exception();
-    }
-  };
-  const uint32_t wanted = state.settings.threads ? state.settings.threads : std::thread::hardware_concurrency();
-  std::vector<std::thread> threads;
-  for (uint32_t i = 1; i < std::clamp(wanted, 1u, 256u); ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
+  for_rows(state.film.size.y, state.settings.threads, [&](uint32_t y) {
+    uint64_t rays_here = 0;
+    for (uint32_t x = 0; x < state.film.size.x; ++x) state.sample_pixel(it, x, y, each, rays_here);
+    rays += rays_here;
+  });
   state.film.samples += each;
   state.ray_count += rays;
 }
