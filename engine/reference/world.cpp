@@ -36,6 +36,28 @@ vec4 texel(const scene::Picture& picture, int x, int y) {
   return vec4(p[0], p[1], p[2], 255 * alpha) / 255.0f;
 }
 
+float texel_alpha(const scene::Picture& picture, int x, int y) {
+  return float(picture.rgba[(size_t(y) * picture.width + size_t(x)) * 4 + 3]) / 255;
+}
+
+// The texture at its finest level; `read` gives a texel.
+template <class Read>
+auto filtered(const scene::Scene& scene, const scene::Texture& t, vec2 uv, const Read& read) {
+  const scene::Picture& picture = scene.pictures[t.picture];
+  const int width = int(picture.width), height = int(picture.height);
+  if (width == 0 || height == 0) return decltype(read(picture, 0, 0))(1);
+  const scene::Sampler& s = t.sampler;
+  // Far-off coordinates would overflow an int; a texture has no detail there anyway.
+  const vec2 at = glm::clamp(uv * vec2(width, height), vec2(-1e8f), vec2(1e8f));
+  if (s.mag == scene::Filter::Nearest)
+    return read(picture, wrapped(int(std::floor(at.x)), width, s.u), wrapped(int(std::floor(at.y)), height, s.v));
+  const vec2 corner = glm::floor(at - 0.5f), f = at - 0.5f - corner;
+  const int x0 = wrapped(int(corner.x), width, s.u), x1 = wrapped(int(corner.x) + 1, width, s.u);
+  const int y0 = wrapped(int(corner.y), height, s.v), y1 = wrapped(int(corner.y) + 1, height, s.v);
+  return glm::mix(glm::mix(read(picture, x0, y0), read(picture, x1, y0), f.x),
+                  glm::mix(read(picture, x0, y1), read(picture, x1, y1), f.x), f.y);
+}
+
 template <class T>
 T between(const T& a, const T& b, const T& c, float u, float v) {
   return a * (1 - u - v) + b * u + c * v;
@@ -83,20 +105,7 @@ vec3 World::front_normal(uint32_t instance, uint32_t triangle) const {
 }
 
 vec4 World::texture(uint32_t row, vec2 uv) const {
-  const scene::Texture& t = scene_.textures[row];
-  const scene::Picture& picture = scene_.pictures[t.picture];
-  const int width = int(picture.width), height = int(picture.height);
-  if (width == 0 || height == 0) return vec4(1);
-  const scene::Sampler& s = t.sampler;
-  // Far-off coordinates would overflow an int; a texture has no detail there anyway.
-  const vec2 at = glm::clamp(uv * vec2(width, height), vec2(-1e8f), vec2(1e8f));
-  if (s.mag == scene::Filter::Nearest)
-    return texel(picture, wrapped(int(std::floor(at.x)), width, s.u), wrapped(int(std::floor(at.y)), height, s.v));
-  const vec2 corner = glm::floor(at - 0.5f), f = at - 0.5f - corner;
-  const int x0 = wrapped(int(corner.x), width, s.u), x1 = wrapped(int(corner.x) + 1, width, s.u);
-  const int y0 = wrapped(int(corner.y), height, s.v), y1 = wrapped(int(corner.y) + 1, height, s.v);
-  return glm::mix(glm::mix(texel(picture, x0, y0), texel(picture, x1, y0), f.x),
-                  glm::mix(texel(picture, x0, y1), texel(picture, x1, y1), f.x), f.y);
+  return filtered(scene_, scene_.textures[row], uv, texel);
 }
 
 bool World::hole(uint32_t instance, uint32_t triangle, float u, float v) const {
@@ -105,7 +114,8 @@ bool World::hole(uint32_t instance, uint32_t triangle, float u, float v) const {
   const Vertex i = vertices(instance, triangle);
   float alpha = m.base_color.w * between(g.color[i.a].w, g.color[i.b].w, g.color[i.c].w, u, v);
   if (m.base_color_texture != scene::none)
-    alpha *= texture(m.base_color_texture, between(g.uv0[i.a], g.uv0[i.b], g.uv0[i.c], u, v)).w;
+    alpha *= filtered(scene_, scene_.textures[m.base_color_texture], between(g.uv0[i.a], g.uv0[i.b], g.uv0[i.c], u, v),
+                      texel_alpha);
   return alpha < m.alpha_cutoff;
 }
 
