@@ -63,6 +63,41 @@ TEST(ReferenceRadius, Disc) {
   }
 }
 
+// With bound_gi a lamp lights what its distance lets it: the parts of a large plate at height 1 within the ball or the
+// disc.
+TEST(ReferenceRadius, BoundsGi) {
+  Builder b;
+  square(b, b.material({}), 2, 0, true);
+  square(b, b.material({.base_color = vec3(0), .emissive = vec3(1)}), 300, 1, false);
+  const scene::Scene scene = scene_of(b.glb());
+  Settings s = lambert_settings(camera({0, 4, 0}, {0, 0, 0}, 0.01f, {0, 0, -1}), 2, 2);
+  s.bound_gi = true;
+  s.emitters = reference::EmitterSampling::Directions;
+  const auto light = [&](RadiusMode mode, float radius) {
+    s.radius = radius;
+    s.radius_mode = mode;
+    return trace(scene, s, "gi_1", 4096).mean("gi_1");
+  };
+  EXPECT_EQ(light(RadiusMode::Ball, 0.99f), 0);
+  EXPECT_NEAR(light(RadiusMode::Ball, 2), 0.75, 2e-3);
+  EXPECT_NEAR(light(RadiusMode::Disc, 2), 1.5 * 1.5 / (1 + 1.5 * 1.5), 2e-3);
+  EXPECT_NEAR(light(RadiusMode::Ball, 1e9f), 1, 2e-3);
+  // And found by choosing points of it: a small one, straight above, so that there is a choice.
+  Builder small;
+  square(small, small.material({}), 2, 0, true);
+  square(small, small.material({.base_color = vec3(0), .emissive = vec3(1)}), 0.5f, 1, false);
+  const scene::Scene lamp = scene_of(small.glb());
+  for (const float radius : {1.1f, 5.0f}) {
+    s.radius = radius;
+    s.radius_mode = RadiusMode::Ball;
+    s.emitters = reference::EmitterSampling::Directions;
+    const double by_directions = trace(lamp, s, "gi_1", 16384).mean("gi_1");
+    s.emitters = reference::EmitterSampling::Surfaces;
+    EXPECT_NEAR(trace(lamp, s, "gi_1", 16384).mean("gi_1"), by_directions, 2e-3) << radius;
+    EXPECT_GT(by_directions, 0.1);
+  }
+}
+
 // The camera sees through the backs of single-sided surfaces, light does not pass them.
 TEST(ReferenceGeometry, BacksAndMirrors) {
   for (const float mirror : {1.0f, -1.0f}) {

@@ -32,7 +32,8 @@ struct ReferenceOptions : CommonOptions {
   std::optional<uint32_t> spp;
   std::optional<double> seconds, until_error;
   float falloff = 0.615f;
-  bool resume = false, halves = false, include_ambient = false, same_information = false, any_emitter = false;
+  bool resume = false, halves = false, include_ambient = false, same_information = false, any_emitter = false,
+       bound_gi = false;
 };
 
 constexpr uint32_t default_spp = 64, most_spp = 1u << 24;
@@ -60,6 +61,7 @@ reference::Settings tracer_settings(const ReferenceOptions& o, bool lambert) {
   s.radius = parse_radius(o.radius);
   s.radius_mode = parse_radius_mode(o.radius_mode, reference::RadiusMode::Ball);
   s.falloff = o.falloff;
+  s.bound_gi = o.bound_gi;
   s.lambert = lambert;
   s.include_ambient = o.include_ambient;
   s.pixel_box = o.pixel == "box";
@@ -349,6 +351,7 @@ void add_flags(CLI::App& app, ReferenceOptions& o) {
   app.add_option("--falloff", o.falloff, "Share of the radius over which ball_falloff fades")
       ->check(CLI::Range(0.0f, 1.0f))
       ->capture_default_str();
+  app.add_flag("--bound-gi", o.bound_gi, "gi, too, gathers only within the radius, as techniques do");
   app.add_flag("--include-ambient", o.include_ambient, "gi gathers the environment's light at the bounces too");
   app.add_option("--pixel", o.pixel, "center: one point, as the G-buffer has it; box: the mean over the pixel")
       ->check(CLI::IsMember({"center", "box"}))

@@ -52,6 +52,7 @@ Reflected direct_light(const Integrator& it, const Surface& s, vec3 direction, S
 
 struct Emitted {
   vec3 radiance{0}, to_light{0};
+  float distance = 0;
   float density = 0;  // per solid angle, as seen from the receiver
 };
 
@@ -64,7 +65,8 @@ Emitted seen_emitter(const Integrator& it, const Surface& s, Stream& stream, uin
   const vec3 to = e.position - s.position;
   const float distance2 = glm::dot(to, to);
   if (!(distance2 > 0)) return out;
-  out.to_light = to / std::sqrt(distance2);
+  out.distance = std::sqrt(distance2);
+  out.to_light = to / out.distance;
   const float cosine = -glm::dot(e.ng, out.to_light);
   if (cosine <= 0 || glm::dot(s.n, out.to_light) <= 0 || glm::dot(s.ng, out.to_light) <= 0) return out;
   const vec3 origin = start(s), end = e.position + e.ng * e.epsilon;
@@ -90,21 +92,20 @@ float weight(const Integrator& it, EmitterSampling way, float mine, float other)
 }
 
 // How open a direction is whose first hit is at distance t; techniques.md's three meanings of the radius.
-float openness(const Settings& settings, vec3 receiver, vec3 direction, const Hit& hit) {
-  if (!hit.any()) return 1;
+float openness(const Settings& settings, vec3 receiver, vec3 direction, float distance) {
   const float radius = settings.radius;
   switch (settings.radius_mode) {
     case RadiusMode::Ball:
-      return hit.t < radius ? 0.0f : 1.0f;
+      return distance < radius ? 0.0f : 1.0f;
     case RadiusMode::BallFalloff: {
       if (radius == far_away) return 0;
       const float edge = std::max(settings.falloff * radius, 1e-6f);
-      return 1 - std::clamp((radius - hit.t) / edge, 0.0f, 1.0f);
+      return 1 - std::clamp((radius - distance) / edge, 0.0f, 1.0f);
     }
     case RadiusMode::Disc: {
       if (radius == far_away) return 0;
       const scene::mat4 view = scene::view_from_world(settings.camera);
-      const vec3 p(view * vec4(receiver, 1)), q(view * vec4(receiver + direction * hit.t, 1));
+      const vec3 p(view * vec4(receiver, 1)), q(view * vec4(receiver + direction * distance, 1));
       if (q.z >= -1e-6f) return 1;  // behind the eye: in no picture
       const vec2 apart = vec2(q) / -q.z - vec2(p) / -p.z;
       return glm::length(apart) * -p.z <= radius ? 0.0f : 1.0f;
@@ -127,7 +128,8 @@ void diffuse_walk(const Integrator& it, Stream& stream, PixelSample& sample, uin
       const Emitted e = seen_emitter(it, s, stream, ray_count);
       if (e.density > 0) {
         const float cosine = glm::dot(s.n, e.to_light);
-        const float w = weight(it, EmitterSampling::Surfaces, e.density, cosine / pi);
+        float w = weight(it, EmitterSampling::Surfaces, e.density, cosine / pi);
+        if (k == 0 && settings.bound_gi) w *= 1 - openness(settings, s.position, e.to_light, e.distance);
         sample.gi[k] += throughput * e.radiance * (w * cosine / (pi * e.density));
       }
     }
@@ -141,7 +143,7 @@ void diffuse_walk(const Integrator& it, Stream& stream, PixelSample& sample, uin
       hit = it.rays.closest({start(s), direction, 0, far_away});
     }
     if (k == 0) {
-      sample.visibility = inside ? 0 : openness(settings, s.position, direction, hit);
+      sample.visibility = inside ? 0 : hit.any() ? openness(settings, s.position, direction, hit.t) : 1;
       sample.bent = direction * sample.visibility;
     }
     if (inside) return;
@@ -152,6 +154,7 @@ void diffuse_walk(const Integrator& it, Stream& stream, PixelSample& sample, uin
       return;
     }
     if (k >= bounces) return;
+    if (k == 0 && settings.bound_gi) throughput *= 1 - sample.visibility;
     const Surface y = it.world.surface(hit, direction);
     if (!is_black(y.emission)) {
       const float other = emitter_density(it, hit, y, s.position, direction);

@@ -34,6 +34,7 @@ struct Settings {
   float radius = std::numeric_limits<float>::infinity();  // of `visibility` and `bent`, metres
   RadiusMode radius_mode = RadiusMode::Ball;
   float falloff = 0.615f;
+  bool bound_gi = false;         // gi, too, gathers only from surfaces within the radius, as techniques do
   bool lambert = false;          // as material.lambert
   bool include_ambient = false;  // as feedback.include_ambient: gi also gathers the environment's light at the bounces
   bool pixel_box = false;        // average over the pixel; else its centre, where the G-buffer has its sample

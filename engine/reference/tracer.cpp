@@ -56,7 +56,8 @@ uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const Film& f
   f.add(scene.punctual);
   f.add(scene.environment.color);
   f.add(s.camera.position), f.add(s.camera.forward), f.add(s.camera.up), f.add(s.camera.vfov), f.add(s.camera.near);
-  f.add(s.size), f.add(s.bounces), f.add(s.radius), f.add(s.radius_mode), f.add(s.falloff), f.add(s.lambert);
+  f.add(s.size), f.add(s.bounces), f.add(s.radius), f.add(s.radius_mode), f.add(s.falloff), f.add(s.bound_gi),
+      f.add(s.lambert);
   f.add(s.include_ambient), f.add(s.pixel_box), f.add(s.sampler), f.add(s.emitters), f.add(s.seed);
   for (const Slot& slot : film.slots) f.add(slot.name);
   return f.value();
