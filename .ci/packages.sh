@@ -7,7 +7,7 @@ build_packages=(
   libvulkan-dev vulkan-validationlayers mesa-vulkan-drivers
   glslang-dev glslang-tools spirv-tools libspirv-cross-c-shared-dev
   libcli11-dev libfmt-dev libglm-dev libspdlog-dev nlohmann-json3-dev
-  libopenexr-dev libpng-dev libstb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev
+  libembree-dev libopenexr-dev libpng-dev libstb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev
   libgtest-dev
 )
 # Only `test.sh --all` needs these: a second compiler, and what optional tests and benchmarks use.

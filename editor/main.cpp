@@ -11,6 +11,8 @@ constexpr const char* footer = R"(Examples:
   nearfield render scene.glb -o picture.png --size 1280x720 --set gi.radius=3
   nearfield render scene.glb -o layers.exr --aov all --frames 64 --accumulate
   nearfield graph scene.glb --format text
+  nearfield reference scene.glb -o reference.exr --size 640x360 --spp 256
+  nearfield compare picture.exr reference.exr --layer gi --block 8
 Exit codes: 0 done, 1 a check failed, 2 usage, 3 bad input, 4 no device or display, 5 shader, 6 GPU, 7 cannot write, 70 internal, 130 interrupted.
 `nearfield COMMAND --help` says more.)";
 
@@ -19,7 +21,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", version_line());
   app.footer(footer);
   app.require_subcommand(0, 1);
-  const Command commands[] = {add_render(app), add_info(app), add_graph(app)};
+  const Command commands[] = {add_render(app), add_info(app), add_graph(app), add_compare(app), add_reference(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -50,6 +50,8 @@ gpu::DeviceOptions device_options(const CommonOptions& options);
 Command add_render(CLI::App& app);
 Command add_info(CLI::App& app);
 Command add_graph(CLI::App& app);
+Command add_compare(CLI::App& app);
+Command add_reference(CLI::App& app);
 
 // The command line without its output files: the same for runs that must give the same bytes.
 void keep_command_line(int argc, char** argv);

@@ -180,7 +180,7 @@ class RenderJob {
  private:
   // The scene at the frame's time. A mean of many frames is one of a scene at rest, unless a clock was asked for.
   void move(scene::Scene& scene, passes::Renderer& renderer, uint32_t n) {
-    const bool still = o_.accumulate && !o_.fps_given;
+    const bool still = o_.fps == 0 || (o_.accumulate && !o_.fps_given);
     renderer.update(scene::animate(scene, o_.time + (still ? 0 : n / o_.fps)));
     if (view_.camera.node != scene::none) scene::place(scene.nodes.world[view_.camera.node], view_.camera);
     if (n == 0) view_.previous_camera = view_.camera;
@@ -352,11 +352,10 @@ Command add_render(CLI::App& parent) {
   app->add_option("--time", state->time, "The scene's time at the first frame, in seconds")
       ->type_name("S")
       ->capture_default_str();
-  app->add_option(
-         "--fps", state->fps,
-         "Fixed clock: simulated seconds per frame are 1 / FPS; with --accumulate the scene stands still unless "
-         "this is given")
-      ->check(CLI::Range(0.001, 1e6))
+  app->add_option("--fps", state->fps,
+                  "Fixed clock: simulated seconds per frame are 1 / FPS, 0 = the scene stands still; with --accumulate "
+                  "it does so unless this is given")
+      ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   app->add_option("--precision", state->precision, "EXR channels")
       ->check(CLI::IsMember({"half", "float"}))

@@ -3,3 +3,8 @@ foreach(name cli_test cli_error_test)
   nf_test(${name} nf_image LABELS gpu)
   add_dependencies(${name} nearfield nearfield_scenes)
 endforeach()
+# Commands that need no device.
+foreach(name cli_compare_test cli_reference_test)
+  nf_test(${name} nf_image LABELS cpu)
+  add_dependencies(${name} nearfield nearfield_scenes)
+endforeach()

@@ -1,1 +1,2 @@
 nf_test(image_test nf_image LABELS cpu)
+nf_test(metrics_test nf_image LABELS cpu)

@@ -1,0 +1,130 @@
+// One Embree geometry an instance; its number is the instance's row.
+#include "reference/rays.h"
+
+#include <embree3/rtcore.h>
+
+#include "core/error.h"
+#include "reference/reference.h"
+
+namespace nf::reference {
+namespace {
+
+struct Context {
+  RTCIntersectContext base;
+  const World* world;
+};
+
+// Both filters: a hit that does not count is undone by setting valid to 0.
+void skip_holes(const RTCFilterFunctionNArguments* args) {
+  const World& world = *static_cast<const World*>(args->geometryUserPtr);
+  for (unsigned int i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    const uint32_t instance = RTCHitN_geomID(args->hit, args->N, i), triangle = RTCHitN_primID(args->hit, args->N, i);
+    const float u = RTCHitN_u(args->hit, args->N, i), v = RTCHitN_v(args->hit, args->N, i);
+    if (world.hole(instance, triangle, u, v)) args->valid[i] = 0;
+  }
+}
+
+void skip_backs(const RTCFilterFunctionNArguments* args) {
+  const World& world = *reinterpret_cast<const Context*>(args->context)->world;
+  for (unsigned int i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    const WorldInstance& instance = world.instances()[RTCHitN_geomID(args->hit, args->N, i)];
+    if (instance.material->double_sided) continue;
+    const vec3 normal(RTCHitN_Ng_x(args->hit, args->N, i), RTCHitN_Ng_y(args->hit, args->N, i),
+                      RTCHitN_Ng_z(args->hit, args->N, i));
+    const vec3 direction(RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
+                         RTCRayN_dir_z(args->ray, args->N, i));
+    if (glm::dot(normal, direction) * instance.mirrored > 0) args->valid[i] = 0;
+  }
+}
+
+void fill(RTCRay& to, const Ray& ray) {
+  to.org_x = ray.origin.x, to.org_y = ray.origin.y, to.org_z = ray.origin.z;
+  to.dir_x = ray.direction.x, to.dir_y = ray.direction.y, to.dir_z = ray.direction.z;
+  to.tnear = ray.near, to.tfar = ray.far;
+  to.time = 0, to.mask = ~0u, to.id = 0, to.flags = 0;
+}
+
+Hit trace(RTCScene scene, Context& context, const Ray& ray) {
+  RTCRayHit query;
+  fill(query.ray, ray);
+  query.hit.geomID = query.hit.primID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene, &context.base, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return {query.hit.geomID, query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
+}
+
+}  // namespace
+
+std::string backend() {
+  return "CPU, Embree " RTC_VERSION_STRING;
+}
+
+struct Rays::State {
+  const World& world;
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+};
+
+Rays::Rays(const World& world) : state_(std::make_unique<State>(State{world})) {
+  // One thread builds, so that the tree, and with it the choice among equally near surfaces, is always the same.
+  state_->device = rtcNewDevice("threads=1,set_affinity=0");
+  if (!state_->device) fail(Exit::Internal, "Embree does not start: error {}", int(rtcGetDeviceError(nullptr)));
+  RTCDevice device = state_->device;
+  state_->scene = rtcNewScene(device);
+  rtcSetSceneFlags(state_->scene, RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  const std::vector<uint32_t>& index = world.scene().geometry.index;
+  for (uint32_t row = 0; row < world.instances().size(); ++row) {
+    const WorldInstance& instance = world.instances()[row];
+    if (instance.primitive->index_count < 3) continue;
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, instance.position.data(), 0,
+                               sizeof(vec3), instance.position.size() - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               index.data() + instance.primitive->first_index, 0, 3 * sizeof(uint32_t),
+                               instance.primitive->index_count / 3);
+    if (instance.masked) {
+      rtcSetGeometryUserData(geometry, const_cast<World*>(&world));
+      rtcSetGeometryIntersectFilterFunction(geometry, skip_holes);
+      rtcSetGeometryOccludedFilterFunction(geometry, skip_holes);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(state_->scene, geometry, row);
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(state_->scene);
+  const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) fail(Exit::Gpu, "out of memory: the ray structure of the scene does not fit");
+  NF_CHECK(error == RTC_ERROR_NONE, "Embree error {}", int(error));
+}
+
+Rays::~Rays() {
+  rtcReleaseScene(state_->scene);
+  rtcReleaseDevice(state_->device);
+}
+
+Hit Rays::closest(const Ray& ray) const {
+  Context context{{}, &state_->world};
+  rtcInitIntersectContext(&context.base);
+  return trace(state_->scene, context, ray);
+}
+
+Hit Rays::closest_seen(const Ray& ray) const {
+  Context context{{}, &state_->world};
+  rtcInitIntersectContext(&context.base);
+  context.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.base.filter = skip_backs;
+  return trace(state_->scene, context, ray);
+}
+
+bool Rays::blocked(const Ray& ray) const {
+  Context context{{}, &state_->world};
+  rtcInitIntersectContext(&context.base);
+  RTCRay query;
+  fill(query, ray);
+  rtcOccluded1(state_->scene, &context.base, &query);
+  return query.tfar < 0;
+}
+
+}  // namespace nf::reference

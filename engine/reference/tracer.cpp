@@ -1,0 +1,174 @@
+// Threads over rows of the picture, and what survives an interruption.
+#include <cstring>
+
+#include "core/error.h"
+#include "image/file.h"
+#include "reference/film.h"
+#include "reference/parallel.h"
+
+namespace nf::reference {
+namespace {
+
+constexpr char magic[] = "nearfield.checkpoint/1\n";
+
+// FNV-1a over whatever decides the result.
+class Fingerprint {
+ public:
+  template <class T>
+  void add(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
+    add_bytes(&value, sizeof value);
+  }
+  template <class T>
+  void add(const std::vector<T>& rows) {
+    add(rows.size());
+    if (!rows.empty()) add_bytes(rows.data(), rows.size() * sizeof(T));
+  }
+  void add(const std::string& text) {
+    add(text.size());
+    add_bytes(text.data(), text.size());
+  }
+  uint64_t value() const { return hash_; }
+
+ private:
+  void add_bytes(const void* data, size_t size) {
+    const auto* bytes = static_cast<const uint8_t*>(data);
+    for (size_t i = 0; i < size; ++i) hash_ = (hash_ ^ bytes[i]) * 0x100000001B3u;
+  }
+  uint64_t hash_ = 0xCBF29CE484222325u;
+};
+
+uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const Film& film) {
+  Fingerprint f;
+  f.add(scene.geometry.position);
+  f.add(scene.geometry.normal);
+  f.add(scene.geometry.uv0);
+  f.add(scene.geometry.color);
+  f.add(scene.geometry.index);
+  f.add(scene.nodes.world);
+  f.add(scene.instances.primitive);
+  for (const scene::Material& m : scene.materials) {
+    f.add(m.base_color), f.add(m.metallic), f.add(m.roughness), f.add(m.emissive), f.add(m.normal_scale);
+    f.add(m.alpha_cutoff), f.add(m.alpha), f.add(m.double_sided);
+  }
+  for (const scene::Picture& p : scene.pictures) f.add(p.rgba);
+  f.add(scene.directional);
+  f.add(scene.punctual);
+  f.add(scene.environment.color);
+  f.add(s.camera.position), f.add(s.camera.forward), f.add(s.camera.up), f.add(s.camera.vfov), f.add(s.camera.near);
+  f.add(s.size), f.add(s.bounces), f.add(s.radius), f.add(s.radius_mode), f.add(s.falloff), f.add(s.bound_gi),
+      f.add(s.lambert);
+  f.add(s.include_ambient), f.add(s.pixel_box), f.add(s.sampler), f.add(s.emitters), f.add(s.seed);
+  for (const Slot& slot : film.slots) f.add(slot.name);
+  return f.value();
+}
+
+}  // namespace
+
+struct Tracer::State {
+  State(const scene::Scene& scene, const Settings& s, const std::vector<std::string>& layers)
+      : settings(s), world(scene, s.lambert), rays(world), lights(world), film(make_film(layers, s.size, s.bounces)) {}
+
+  Settings settings;
+  World world;
+  Rays rays;
+  Lights lights;
+  Film film;
+  uint64_t ray_count = 0;
+
+  void sample_pixel(const Integrator& it, uint32_t x, uint32_t y, uint32_t count, uint64_t& rays_here) {
+    const size_t pixel = size_t(y) * film.size.x + x;
+    const bool steady = !settings.pixel_box;
+    const Ray center = camera_ray(settings, vec2(x, y) + 0.5f);
+    PixelSample sample;
+    if (steady) sample = first_hit(it, center, rays_here);
+    for (int half = 0; half < 2; ++half) {
+      const uint64_t key = mix(mix(uint64_t(settings.seed) << 1 | uint64_t(half)) ^ (uint64_t(y) << 32 | x));
+      double* sums = film.at(pixel, half);
+      for (uint32_t i = film.samples; i < film.samples + count; ++i) {
+        Stream stream(settings.sampler, key, i);
+        Ray ray = center;
+        if (!steady) {
+          ray = camera_ray(settings, vec2(x, y) + stream.next2());
+          sample = first_hit(it, ray, rays_here);
+        }
+        gather(it, ray, stream, sample, rays_here);
+        add_sample(film, sample, sums);
+      }
+    }
+  }
+};
+
+Tracer::Tracer(const scene::Scene& scene, const Settings& settings, std::vector<std::string> layers)
+    : state_(std::make_unique<State>(scene, settings, layers)) {
+  NF_CHECK(settings.bounces <= max_bounces, "{} bounces", settings.bounces);
+}
+
+Tracer::~Tracer() = default;
+
+void Tracer::sample(uint32_t count) {
+  State& state = *state_;
+  const uint32_t each = (count + 1) / 2;
+  const Integrator it{state.world, state.rays, state.lights, state.settings, wanted_by(state.film)};
+  std::atomic<uint64_t> rays = 0;
+  for_rows(state.film.size.y, state.settings.threads, [&](uint32_t y) {
+    uint64_t rays_here = 0;
+    for (uint32_t x = 0; x < state.film.size.x; ++x) state.sample_pixel(it, x, y, each, rays_here);
+    rays += rays_here;
+  });
+  state.film.samples += each;
+  state.ray_count += rays;
+}
+
+uint32_t Tracer::samples() const {
+  return state_->film.samples * 2;
+}
+uint64_t Tracer::rays() const {
+  return state_->ray_count;
+}
+std::vector<image::Layer> Tracer::layers() const {
+  return resolve(state_->film, -1);
+}
+std::vector<image::Layer> Tracer::half(int which) const {
+  return resolve(state_->film, which);
+}
+std::vector<Noise> Tracer::noise() const {
+  return noise_of(state_->film);
+}
+
+void Tracer::save(const std::filesystem::path& path) const {
+  const Film& film = state_->film;
+  const uint64_t print = fingerprint(state_->world.scene(), state_->settings, film);
+  std::vector<uint8_t> bytes(magic, magic + sizeof magic - 1);
+  const auto append = [&](const void* data, size_t size) {
+    const auto* from = static_cast<const uint8_t*>(data);
+    bytes.insert(bytes.end(), from, from + size);
+  };
+  bytes.reserve(bytes.size() + 16 + film.sums.size() * sizeof(double));
+  append(&print, sizeof print);
+  append(&film.samples, sizeof film.samples);
+  append(film.sums.data(), film.sums.size() * sizeof(double));
+  image::write_file(path, bytes);
+}
+
+void Tracer::load(const std::filesystem::path& path) {
+  Film& film = state_->film;
+  const std::vector<uint8_t> bytes = image::read_file(path);
+  const size_t head = sizeof magic - 1, data = head + sizeof(uint64_t) + sizeof(uint32_t);
+  if (bytes.size() < data || std::memcmp(bytes.data(), magic, head) != 0)
+    fail(Exit::Input, "cannot resume from '{}': it is no checkpoint of this version; delete it to start anew",
+         path.string());
+  uint64_t print = 0;
+  std::memcpy(&print, bytes.data() + head, sizeof print);
+  if (print != fingerprint(state_->world.scene(), state_->settings, film) ||
+      bytes.size() != data + film.sums.size() * sizeof(double))
+    fail(Exit::Input,
+         "cannot resume from '{}': it was made with another scene, view, size, seed, layers or settings; use the same, "
+         "or "
+         "delete it to start anew",
+         path.string());
+  std::memcpy(&film.samples, bytes.data() + data - sizeof film.samples, sizeof film.samples);
+  std::memcpy(film.sums.data(), bytes.data() + data, film.sums.size() * sizeof(double));
+}
+
+}  // namespace nf::reference
