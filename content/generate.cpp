@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "image/file.h"
 #include "scenes.h"
+#include "sky.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) {
@@ -18,6 +19,8 @@ int main(int argc, char** argv) {
     nf::image::write_file(folder / "cornell.glb", nf::content::cornell());
     nf::image::write_file(folder / "fence.glb", nf::content::fence());
     nf::image::write_file(folder / "furnace.glb", nf::content::furnace());
+    const nf::image::Layer sky{"", "RGB", nf::content::sky_map(nf::content::afternoon(), 1024)};
+    nf::image::write_exr(folder / "sky.exr", {&sky, 1}, {}, nf::image::Precision::Half);
   } catch (const nf::Error& e) {
     std::fprintf(stderr, "error: %s\n", e.what());
     return int(e.exit());

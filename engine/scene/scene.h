@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/environment.h"
+
 namespace nf::scene {
 
 using glm::mat4;
@@ -116,9 +118,6 @@ struct PunctualLight {
   float range = 0;
   float radius = 0;
   float inner_cone = 3.14159265f, outer_cone = 3.14159265f;
-};
-struct Environment {
-  vec3 color{0};  // radiance, constant over the sphere, intensity multiplied in
 };
 
 // Looks along `forward` (unit); vfov in radians.
