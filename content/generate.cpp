@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "image/file.h"
 #include "scenes.h"
+#include "sky.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) {
@@ -21,6 +22,8 @@ int main(int argc, char** argv) {
     nf::image::write_file(folder / "atrium.glb", nf::content::atrium());
     const std::string view = nf::content::atrium_view();
     nf::image::write_file(folder / "atrium.json", {reinterpret_cast<const uint8_t*>(view.data()), view.size()});
+    const nf::image::Layer sky{"", "RGB", nf::content::sky_map(nf::content::afternoon(), 1024)};
+    nf::image::write_exr(folder / "sky.exr", {&sky, 1}, {}, nf::image::Precision::Half);
   } catch (const nf::Error& e) {
     std::fprintf(stderr, "error: %s\n", e.what());
     return int(e.exit());

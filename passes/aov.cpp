@@ -27,13 +27,13 @@ const Aov table[] = {
     {"radiance", "RGB", "What the GI gathers from", four, "AOV_RADIANCE"},
 };
 
-// What AOV_COPY, AOV_DIRECT, AOV_INDIRECT and AOV_AMBIENT read.
+// What AOV_COPY, AOV_DIRECT and AOV_INDIRECT read.
 graph::Tex source_of(const Aov& aov, const FrameOutputs& o) {
   const std::string_view name = aov.name;
   if (name.empty()) return o.lit;
   if (name == "direct" || name == "direct_diffuse") return o.direct.diffuse;
   if (name == "gi" || name == "gi_raw" || name == "indirect") return o.gi.gi;
-  if (name == "visibility" || name == "ambient") return o.gi.visibility;
+  if (name == "visibility") return o.gi.visibility;
   if (name == "bent") return o.gi.bent;
   if (name == "velocity") return o.gbuffer.velocity;
   if (name == "emissive") return o.gbuffer.emissive;
@@ -55,15 +55,24 @@ const Aov& find_aov(std::string_view name) {
   fail(Exit::Input, "unknown layer '{}': there are {}", name, names);
 }
 
-AovPass create_aovs(gpu::Pipelines& pipelines) {
+AovPass create_aovs(gpu::Pipelines& pipelines, bool environment_map) {
   AovPass pass;
-  for (const Aov& aov : table) pass.pipelines.push_back(pipelines.fullscreen("aov.frag", {{aov.define, "1"}}));
+  for (const Aov& aov : table) {
+    const bool ambient = std::string_view(aov.name) == "ambient";
+    pass.pipelines.push_back(ambient ? gpu::Pipeline{} : pipelines.fullscreen("aov.frag", {{aov.define, "1"}}));
+    for (int variant = 0; ambient && variant < 3; ++variant) {
+      gpu::Defines defines = ambient_defines(variant, environment_map);
+      defines.emplace_back(aov.define, "1");
+      pass.ambient[variant] = pipelines.fullscreen("aov.frag", defines);
+    }
+  }
   return pass;
 }
 
 graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& o,
-                   const SceneTables& scene) {
-  const gpu::Pipeline pipeline = pass.pipelines[size_t(&aov - table)];
+                   const SceneTables& scene, const EnvironmentMaps& environment) {
+  const gpu::Pipeline row = pass.pipelines[size_t(&aov - table)];
+  const gpu::Pipeline pipeline = row.interface ? row : pass.ambient[ambient_variant(o.gi)];
   const graph::Tex source = source_of(aov, o);
   const gpu::ShaderInterface& interface = *pipeline.interface;
   if (interface.find("source") && !source) return {};
@@ -71,17 +80,15 @@ graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, con
   const graph::Tex image = graph.image(resource, {o.gbuffer.size, aov.format});
   auto builder = graph.fullscreen(resource, pipeline, aov.help);
   // The shader's variant says what it reads.
-  const std::pair<const char*, graph::Tex> inputs[] = {{"source", source},
-                                                       {"source2", o.direct.specular},
-                                                       {"depth", o.gbuffer.depth},
-                                                       {"normal", o.gbuffer.normal},
-                                                       {"radiance", o.direct.radiance},
-                                                       {"albedo", o.gbuffer.albedo},
-                                                       {"material", o.gbuffer.material}};
+  const std::pair<const char*, graph::Tex> inputs[] = {
+      {"source", source},           {"source2", o.direct.specular},  {"depth", o.gbuffer.depth},
+      {"normal", o.gbuffer.normal}, {"radiance", o.direct.radiance}, {"visibility", o.gi.visibility},
+      {"bent", o.gi.bent},          {"albedo", o.gbuffer.albedo},    {"material", o.gbuffer.material}};
   for (const auto& [slot, tex] : inputs)
     if (interface.find(slot)) builder.in(slot, tex);
   if (interface.find("reflectance"))
     builder.in("reflectance", graph.import("lighting.reflectance", scene.reflectance()));
+  feed_environment(graph, builder, interface, environment);
   builder.out("value", image);
   return image;
 }

@@ -30,11 +30,12 @@ const Aov& find_aov(std::string_view name);
 
 struct AovPass {
   std::vector<gpu::Pipeline> pipelines;  // by row of aovs()
+  gpu::Pipeline ambient[3];              // by ambient_variant(), instead of the row
 };
-AovPass create_aovs(gpu::Pipelines& pipelines);
+AovPass create_aovs(gpu::Pipelines& pipelines, bool environment_map);
 
 // Adds the pass; the image holds the layer's floats. Invalid when this frame does not have what the layer shows.
 graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, const FrameOutputs& outputs,
-                   const SceneTables& scene);
+                   const SceneTables& scene, const EnvironmentMaps& environment);
 
 }  // namespace nf::passes

@@ -21,6 +21,7 @@ gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::f
   FrameSettings settings;
   for (const ParamBlock& block : settings.blocks()) compiler.add_table(*block.table);
   compiler.add_table(FrameBlock::table());
+  compiler.add_table(EnvironmentBlock::table());
   compiler.add_table(AccumulateBlock::table());
   compiler.add_table(DeformBlock::table());
   if (device.facts.fetch_storage) compiler.add_define("NF_FETCH_STORAGE", "1");
@@ -28,7 +29,7 @@ gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::f
 }
 
 Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::ExecutorOptions& options)
-    : scene_(scene) {
+    : scene_(scene), device_(device) {
   const std::filesystem::path cache = gpu::cache_folder();
   pipelines_ =
       std::make_unique<gpu::Pipelines>(device, make_shader_compiler(device, gpu::find_shader_folder(), cache), cache);
@@ -36,9 +37,10 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::
   deform_ = create_deform(*pipelines_);
   gbuffer_ = create_gbuffer(*pipelines_, *tables_);
   shadow_ = create_shadow(*pipelines_, *tables_);
-  lighting_ = create_lighting(*pipelines_);
+  environment_ = create_environment(device, scene.environment);
+  lighting_ = create_lighting(*pipelines_, environment_.any());
   gi_ = create_gi(*pipelines_);
-  aovs_ = create_aovs(*pipelines_);
+  aovs_ = create_aovs(*pipelines_, environment_.any());
   accumulate_ = create_accumulate(*pipelines_);
   for (const Aov& aov : aovs()) mean_names_.push_back(fmt::format("{}.mean", *aov.name ? aov.name : "final"));
   executor_ = std::make_unique<graph::Executor>(device, *pipelines_, options);
@@ -48,6 +50,7 @@ Renderer::~Renderer() {
   executor_.reset();
   tables_->destroy_list(camera_draws_);
   tables_->destroy_list(shadow_draws_);
+  destroy(device_, environment_);
 }
 
 void Renderer::update(const scene::Changes& changes) {
@@ -73,7 +76,7 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const F
       shadowed ? add_shadow(graph, shadow_, settings.shadow, *tables_, shadow_draws_, deformed) : graph::Tex{};
   out.direct = add_direct(graph, lighting_, out.gbuffer, shadow, settings.shadow, *tables_);
   out.gi = settings.technique->add(graph, gi_, out.gbuffer, out.direct, settings.gi);
-  out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_);
+  out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_, environment_);
   // What a frame offers. Whoever runs it reads what he wants to see.
   for (const graph::Tex offered :
        {out.gbuffer.depth, out.gbuffer.normal, out.gbuffer.albedo, out.gbuffer.material, out.gbuffer.emissive,
@@ -92,7 +95,7 @@ graph::Tex Renderer::add_picture(graph::Graph& graph, const FrameOutputs& output
 }
 
 graph::Tex Renderer::add_layer(graph::Graph& graph, const FrameOutputs& outputs, const Aov& aov, int64_t mean_frame) {
-  const graph::Tex value = add_aov(graph, aovs_, aov, outputs, *tables_);
+  const graph::Tex value = add_aov(graph, aovs_, aov, outputs, *tables_, environment_);
   if (!value || mean_frame < 0) return value;
   return add_accumulate(graph, accumulate_, mean_names_[size_t(&aov - aovs().data())].c_str(), value, aov.format,
                         uint32_t(mean_frame));

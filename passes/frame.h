@@ -60,6 +60,8 @@ class Renderer {
   GiPipelines gi_;
   AovPass aovs_;
   AccumulatePass accumulate_;
+  gpu::Device& device_;
+  EnvironmentMaps environment_;
   const Technique* last_technique_ = nullptr;
   std::vector<std::string> mean_names_;        // by row of aovs()
   std::unique_ptr<graph::Executor> executor_;  // last: goes first

@@ -3,16 +3,28 @@
 
 namespace nf::passes {
 
-LightingPass create_lighting(gpu::Pipelines& pipelines) {
+gpu::Defines ambient_defines(int variant, bool environment_map) {
+  gpu::Defines defines;
+  if (variant > 0) defines.emplace_back("HAS_VISIBILITY", "1");
+  if (environment_map) defines.emplace_back("ENVIRONMENT_MAP", "1");
+  // From all sides the same light: which side is open does not matter.
+  if (environment_map && variant > 1) defines.emplace_back("HAS_BENT", "1");
+  return defines;
+}
+
+int ambient_variant(const GiResult& gi) {
+  return !gi.visibility ? 0 : gi.bent ? 2 : 1;
+}
+
+LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
   LightingPass pass;
   pass.direct = pipelines.fullscreen("direct.frag");
   pass.direct_shadowed = pipelines.fullscreen("direct.frag", {{"SHADOWED", "1"}});
   for (int gi = 0; gi < 2; ++gi)
-    for (int visibility = 0; visibility < 2; ++visibility) {
-      gpu::Defines defines;
+    for (int open = 0; open < 3; ++open) {
+      gpu::Defines defines = ambient_defines(open, environment_map);
       if (gi) defines.emplace_back("HAS_GI", "1");
-      if (visibility) defines.emplace_back("HAS_VISIBILITY", "1");
-      pass.composite[gi][visibility] = pipelines.fullscreen("composite.frag", defines);
+      pass.composite[gi][open] = pipelines.fullscreen("composite.frag", defines);
     }
   pass.tonemap = pipelines.fullscreen("tonemap.frag");
   return pass;
@@ -39,10 +51,10 @@ Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer
 }
 
 graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const Radiance& direct,
-                         const GiResult& gi, const SceneTables& scene) {
+                         const GiResult& gi, const SceneTables& scene, const EnvironmentMaps& environment) {
   const graph::Tex lit = graph.image("composite.lit", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT});
-  auto builder = graph.fullscreen("composite", pass.composite[gi.gi.valid()][gi.visibility.valid()],
-                                  "Direct + ambient + indirect + emission");
+  const gpu::Pipeline pipeline = pass.composite[gi.gi.valid()][ambient_variant(gi)];
+  auto builder = graph.fullscreen("composite", pipeline, "Direct + ambient + indirect + emission");
   builder.in("depth", g.depth)
       .in("normal", g.normal)
       .in("albedo", g.albedo)
@@ -54,6 +66,8 @@ graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GB
       .out("lit", lit);
   if (gi.gi) builder.in("gi", gi.gi);
   if (gi.visibility) builder.in("visibility", gi.visibility);
+  if (pipeline.interface->find("bent")) builder.in("bent", gi.bent);
+  feed_environment(graph, builder, *pipeline.interface, environment);
   return lit;
 }
 

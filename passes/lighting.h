@@ -1,6 +1,7 @@
 // Direct light, composition of all light, and the tone curve.
 #pragma once
 
+#include "environment.h"
 #include "gbuffer.h"
 #include "gi/gi_result.h"
 #include "shadow.h"
@@ -18,19 +19,25 @@ struct Radiance {
   P(Choice, curve, 0, 0, 1, "aces|clamp", "Tone curve: a fit of ACES, or plain clamping")
 NF_DECLARE_PARAMS(TonemapParams, "tonemap", NF_TONEMAP_PARAMS)
 
+// What a shader with common/ambient.glsl is told of the technique's visibility: nothing (0), visibility (1), and bent
+// normals too (2).
+gpu::Defines ambient_defines(int variant, bool environment_map);
+int ambient_variant(const GiResult& gi);
+
 struct LightingPass {
   gpu::Pipeline direct, direct_shadowed;
-  gpu::Pipeline composite[2][2];  // [has gi][has visibility]
+  gpu::Pipeline composite[2][3];  // [has gi][nothing, visibility, bent normals too]
   gpu::Pipeline tonemap;
 };
-LightingPass create_lighting(gpu::Pipelines& pipelines);
+// `environment_map`: the environment is not constant.
+LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map);
 
 // `shadow_map` may be invalid: no shadows.
 Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, graph::Tex shadow_map,
                     const ShadowParams& shadow, const SceneTables& scene);
 // RGBA16F, linear radiance before tone mapping.
 graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const Radiance& direct,
-                         const GiResult& gi, const SceneTables& scene);
+                         const GiResult& gi, const SceneTables& scene, const EnvironmentMaps& environment);
 // RGBA8, sRGB-encoded.
 graph::Tex add_tonemap(graph::Graph& graph, const LightingPass& pass, graph::Tex lit, const TonemapParams& params);
 

@@ -125,8 +125,8 @@ void SceneTables::upload_geometry() {
 void SceneTables::upload_textures() {
   const std::array<std::byte, 4> white = {std::byte{255}, std::byte{255}, std::byte{255}, std::byte{255}};
   const gpu::ImagePart white_part{0, 0, white};
-  arrays_.push_back(
-      gpu::upload_image(device_, {.format = VK_FORMAT_R8G8B8A8_UNORM}, {&white_part, 1}, "scene.white", true));
+  arrays_.push_back(gpu::upload_image(device_, {.format = VK_FORMAT_R8G8B8A8_UNORM}, {&white_part, 1}, "scene.white",
+                                      gpu::WholeView::Array));
 
   // Pictures of one size and encoding share an array, split where the device's layer limit asks for it.
   std::map<std::tuple<uint32_t, uint32_t, bool>, std::vector<uint32_t>> classes;
@@ -150,8 +150,8 @@ void SceneTables::upload_textures() {
                                 .format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
                                 .mips = uint32_t(chains[0].size()),
                                 .layers = uint32_t(count)};
-      arrays_.push_back(
-          gpu::upload_image(device_, info, parts, fmt::format("scene.textures {}x{}", width, height), true));
+      arrays_.push_back(gpu::upload_image(device_, info, parts, fmt::format("scene.textures {}x{}", width, height),
+                                          gpu::WholeView::Array));
     }
   }
 }

@@ -32,7 +32,7 @@ struct FrameView {
   glm::vec2 jitter{0};  // pixels
 };
 
-// light_count, shadow matrix and the environment come from the scene.
+// light_count, shadow matrix and a constant environment's radiance come from the scene.
 FrameBlock make_frame_block(const FrameView& view, const scene::Scene& scene, const MaterialParams& material,
                             const ShadowParams& shadow);
 

@@ -16,6 +16,8 @@ uniform texture2D albedo;
 uniform texture2D material;
 uniform texture2D source;   // AOV_COPY: whatever is shown as it is
 uniform texture2D source2;
+uniform texture2D visibility;
+uniform texture2D bent;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -50,8 +52,16 @@ void main() {
     value.rgb = diffuse_reflectance(s, material_texel.b) * texelFetch(source, pixel, 0).rgb;  // gi
 #else
     vec3 to_eye = -normalize(view_ray(vec2(pixel) + 0.5, frame.ray_scale, frame.ray_offset));
-    float n_v = clamp(dot(unpack_normal(FETCH(normal, pixel)), to_eye), 0.0, 1.0);
-    value.rgb = ambient_out(s, material_texel.b, n_v, texelFetch(source, pixel, 0).x);  // visibility
+    vec3 n = unpack_normal(FETCH(normal, pixel));
+    vec3 direction = n;
+    float open = 1.0;
+#ifdef HAS_VISIBILITY
+    open = texelFetch(visibility, pixel, 0).x;
+#endif
+#ifdef HAS_BENT
+    direction = bent_normal(texelFetch(bent, pixel, 0).xyz, n);
+#endif
+    value.rgb = ambient_out(s, material_texel.b, n, to_eye, open, direction);
 #endif
   }
 #endif

@@ -20,24 +20,41 @@ uniform texture2D gi;
 #ifdef HAS_VISIBILITY
 uniform texture2D visibility;
 #endif
+#ifdef HAS_BENT
+uniform texture2D bent;
+#endif
 
 layout(location = 0) out vec4 lit;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  lit = vec4(frame.environment, 1.0);
-  if (FETCH(depth, pixel) <= 0.0) return;
+  vec3 ray = normalize(view_ray(vec2(pixel) + 0.5, frame.ray_scale, frame.ray_offset));
+  if (FETCH(depth, pixel) <= 0.0) {
+#ifdef ENVIRONMENT_MAP
+    lit = vec4(environment_radiance(mat3(frame.world_from_view) * ray), 1.0);
+#else
+    lit = vec4(frame.environment, 1.0);
+#endif
+    return;
+  }
   vec4 material_texel = texelFetch(material, pixel, 0);
   Surface s = unpack_surface(texelFetch(albedo, pixel, 0), material_texel);
   float open = 1.0;
 #ifdef HAS_VISIBILITY
   open = texelFetch(visibility, pixel, 0).x;
 #endif
-  vec3 to_eye = -normalize(view_ray(vec2(pixel) + 0.5, frame.ray_scale, frame.ray_offset));
-  float n_v = clamp(dot(unpack_normal(FETCH(normal, pixel)), to_eye), 0.0, 1.0);
+  vec3 n = unpack_normal(FETCH(normal, pixel));
+  vec3 direction = n;
+#ifdef HAS_BENT
+  direction = bent_normal(texelFetch(bent, pixel, 0).xyz, n);
+#endif
+  lit = vec4(0.0, 0.0, 0.0, 1.0);
   lit.rgb = texelFetch(direct_diffuse, pixel, 0).rgb + texelFetch(direct_specular, pixel, 0).rgb + texelFetch(emissive, pixel, 0).rgb +
-            ambient_out(s, material_texel.b, n_v, open);
+            ambient_out(s, material_texel.b, n, -ray, open, direction);
 #ifdef HAS_GI
   lit.rgb += diffuse_reflectance(s, material_texel.b) * texelFetch(gi, pixel, 0).rgb;
+#endif
+#ifdef ENVIRONMENT_MAP
+  lit.rgb = min(lit.rgb, 65504.0);  // the sun in a mirror must not become infinite
 #endif
 }

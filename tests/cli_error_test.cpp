@@ -48,7 +48,7 @@ TEST_F(CliErrorTest, BadValues) {
   expect_render(2, {"--frames", "0"}, "--frames");
   expect_render(2, {"--frames", "many"}, "--frames");
   expect_render(2, {"--seed", "-1"}, "--seed");
-  expect_render(2, {"--fps", "0"}, "--fps");
+  expect_render(2, {"--fps", "-1"}, "--fps");
   expect_render(2, {"--timeout", "-1"}, "--timeout");
   expect_render(2, {"--timing", "sideways"}, "--timing");
   expect_render(2, {"--progress", "loud"}, "--progress");

@@ -71,7 +71,8 @@ Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
                             format == VK_FORMAT_R16G16B16A16_SFLOAT || format == VK_FORMAT_R32_SFLOAT ||
                             format == VK_FORMAT_R32G32_SFLOAT || format == VK_FORMAT_R32G32B32A32_SFLOAT ||
                             format == VK_FORMAT_D32_SFLOAT;
-      if (is_float && graph.resources[r].lifetime != graph::Lifetime::HistoryPrev)
+      const graph::Lifetime lifetime = graph.resources[r].lifetime;
+      if (is_float && lifetime != graph::Lifetime::HistoryPrev && lifetime != graph::Lifetime::Imported)
         graph.readback(graph.resources[r].name, graph.tex(r));
     }
     renderer.executor().run(graph, {.drop_barrier = request.drop_barrier});

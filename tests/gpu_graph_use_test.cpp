@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "core/log.h"
+#include "gpu/upload.h"
 #include "gpu_fixture.h"
 
 namespace nf::test {
@@ -249,6 +250,27 @@ TEST_F(UsesOnDevice, SwitchesChangeNothing) {
               std::vector(expected.begin(), expected.begin() + 16))
         << "order " << seed;
   }
+}
+
+// An image that lives outside the frame keeps its layout whatever the policy, and needs no barrier.
+TEST_F(UsesOnDevice, ImportedCube) {
+  std::vector<std::vector<float>> faces;
+  std::vector<gpu::ImagePart> parts;
+  for (uint32_t face = 0; face < 6; ++face) faces.emplace_back(4, 10.0f * float(face) + 1);
+  for (uint32_t face = 0; face < 6; ++face) parts.push_back({0, face, std::as_bytes(std::span(faces[face]))});
+  gpu::Image sky =
+      gpu::upload_image(device(), {.extent = {2, 2}, .format = r32, .layers = 6}, parts, "sky", gpu::WholeView::Cube);
+  for (const graph::LayoutPolicy layouts : {graph::LayoutPolicy::Exact, graph::LayoutPolicy::General}) {
+    executor_->options.layouts = layouts;
+    graph::Graph g;
+    const graph::Tex lent = g.import("sky", sky), seen = g.image("seen", {{6, 1}, r32});
+    g.compute("cube", pipelines_->compute("cube.comp")).in("cube", lent).out("target", seen).over(seen);
+    g.readback("seen", seen);
+    EXPECT_EQ(run(g), std::vector<float>({1, 11, 21, 31, 41, 51}));
+    for (const graph::Barrier& b : executor_->plan().barriers) EXPECT_NE(b.resource, lent.id);
+  }
+  device().wait_idle();
+  destroy(device(), sky);
 }
 
 // With General layouts only first uses are transitions.

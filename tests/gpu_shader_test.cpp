@@ -9,7 +9,8 @@ namespace {
 
 std::vector<const ParamTable*> all_tables() {
   passes::FrameSettings settings;
-  std::vector<const ParamTable*> tables = {&passes::FrameBlock::table(), &passes::AccumulateBlock::table()};
+  std::vector<const ParamTable*> tables = {&passes::FrameBlock::table(), &passes::AccumulateBlock::table(),
+                                           &passes::EnvironmentBlock::table()};
   for (const ParamBlock& block : settings.blocks()) tables.push_back(block.table);
   return tables;
 }
@@ -67,6 +68,8 @@ TEST(Shaders, BothWaysToFetchCompile) {
     }
     for (const char* file : {"direct.frag", "composite.frag"})
       EXPECT_FALSE(compiler.compile({"common/fullscreen.vert", file}, {}).interface.slots.empty());
+    const gpu::Defines map = {{"ENVIRONMENT_MAP", "1"}, {"HAS_VISIBILITY", "1"}, {"HAS_BENT", "1"}};
+    EXPECT_TRUE(compiler.compile({"common/fullscreen.vert", "composite.frag"}, map).interface.find("environment_map"));
   }
 }
 

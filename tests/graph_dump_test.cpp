@@ -5,6 +5,7 @@
 #include <set>
 
 #include "graph/dump.h"
+#include "graph/hazards.h"
 #include "graph_values.h"
 
 namespace nf::graph {
@@ -244,6 +245,38 @@ TEST(Dump, DotNamesEverythingAndGreysWhatIsCulled) {
     EXPECT_NE(dot.find(part), std::string::npos) << part;
   EXPECT_NE(dot.find("label=\"make c\", shape=box, color=grey"), std::string::npos);
   EXPECT_EQ(std::count(dot.begin(), dot.end(), '{'), std::count(dot.begin(), dot.end(), '}'));
+}
+
+TEST(Dump, ImportedImagesAreMarkedAndTakeNoMemory) {
+  Shaders shaders;
+  const gpu::Image sky{.whole = gpu::WholeView::Flat,
+                       .info = {.extent = {64, 32}, .format = VK_FORMAT_R16G16B16A16_SFLOAT}};
+  Graph graph;
+  const Tex lent = graph.import("sky", sky), out = graph.image("out", {{8, 8}, VK_FORMAT_R32_SFLOAT});
+  graph.compute("light", shaders.make({sampled("from"), storage_out("value")}))
+      .in("from", lent)
+      .out("value", out)
+      .over(out);
+  graph.readback("back", out);
+  EXPECT_TRUE(faults(graph).empty());
+  const Plan plan = compile(graph);
+  EXPECT_TRUE(find_hazards(graph, plan).empty());
+  const nlohmann::json row = to_json(graph, plan)["resources"][0];
+  EXPECT_EQ(row["kind"], "image");
+  EXPECT_EQ(row["imported"], true);
+  EXPECT_EQ(row["transient"], false);
+  EXPECT_EQ(row["heap"], nullptr);
+  EXPECT_EQ(row["bytes"], 64 * 32 * 8);
+  EXPECT_EQ(plan.unaliased_bytes, 8u * 8 * 4);
+  EXPECT_NE(to_text(graph, plan).find("(imported)"), std::string::npos);
+  EXPECT_EQ(to_dot(graph, plan).find("sky"), std::string::npos);
+  for (const Barrier& b : plan.barriers) EXPECT_NE(b.resource, lent.id);
+  // The replay objects to a barrier for it, and to any use that is not sampling.
+  Plan moved = plan;
+  moved.barriers[0].resource = lent.id;
+  EXPECT_FALSE(find_hazards(graph, moved).empty());
+  graph.uses[0].use = Use::StorageImageRead;
+  EXPECT_FALSE(find_hazards(graph, plan).empty());
 }
 
 TEST(Dump, DiffSaysWhatComesAndGoes) {

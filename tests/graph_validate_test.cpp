@@ -534,6 +534,46 @@ TEST_F(ValidateTest, ImportsAreOnlyRead) {
   expect(Kind::Direction, words("out", "list", "lights"));
 }
 
+TEST_F(ValidateTest, ImportedImagesAreSampledWhole) {
+  const gpu::Image flat{.whole = gpu::WholeView::Flat, .info = {.extent = {64, 32}, .format = r32, .mips = 3}};
+  const gpu::Image cube{.whole = gpu::WholeView::Cube, .info = {.extent = {8, 8}, .format = r32, .layers = 6}};
+  const auto sky = [&](const gpu::Image& lent) {
+    graph = Graph();
+    return graph.import("sky", lent, declared);
+  };
+  const auto sample = [&](TexPart sky_part, gpu::SlotShape shape) {
+    gpu::Slot slot = sampled("from");
+    slot.shape = shape;
+    const Tex size = image("size");
+    graph.compute("light", shaders.make({slot, storage_out("value")}))
+        .in("from", sky_part, used)
+        .out("value", size)
+        .over(size);
+  };
+  sample(sky(flat), gpu::SlotShape::Flat);
+  EXPECT_TRUE(faults(graph).empty());
+  EXPECT_EQ(graph.resources[0].desc.mips, 3);
+  sample(sky(cube), gpu::SlotShape::Cube);
+  EXPECT_TRUE(faults(graph).empty());
+  sample(sky(cube), gpu::SlotShape::Array);
+  expect(Kind::SizeMismatch, words("light", "from", "sky"));
+  sample(mip(sky(flat), 1), gpu::SlotShape::Flat);
+  expect(Kind::SizeMismatch, words("light", "from", "sky"));
+  const Tex read_back = sky(flat);
+  graph.readback("out", read_back, used);
+  expect(Kind::Direction, words("out", "(copy)", "sky"));
+  const gpu::Image single{.whole = gpu::WholeView::Flat, .info = {.extent = {64, 32}, .format = r32}};
+  const Tex loaded = sky(single), size = image("size");
+  graph.compute("load", shaders.make({storage_in("from"), storage_out("value")}))
+      .in("from", loaded, used)
+      .out("value", size)
+      .over(size);
+  expect(Kind::Direction, words("load", "from", "sky"));
+  const Tex target = sky(flat);
+  graph.fullscreen("paint", paint).out("color", target, used);
+  EXPECT_FALSE(faults(graph).empty());
+}
+
 TEST_F(ValidateTest, CopiesFit) {
   const Tex a = written("a"), small = graph.image("small", {{8, 8}, r32}, declared);
   graph.copy("copy", a, small, used);

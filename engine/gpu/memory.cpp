@@ -180,10 +180,12 @@ Image create_image(Device& device, const ImageInfo& info, const std::string& nam
   image.memory = allocate(device, needs, Where::Device, name);
   NF_VK(vkBindImageMemory(device.handle, image.handle, image.memory, 0));
   device.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image.handle), name);
+  constexpr VkImageViewType types[] = {VK_IMAGE_VIEW_TYPE_2D, VK_IMAGE_VIEW_TYPE_2D, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                                       VK_IMAGE_VIEW_TYPE_CUBE};
   if (view != WholeView::None)
     image.view =
-        create_view(device, image, view == WholeView::Array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
-                    {aspect_of(info.format), 0, info.mips, 0, info.layers});
+        create_view(device, image, types[size_t(view)], {aspect_of(info.format), 0, info.mips, 0, info.layers});
+  image.whole = view;
   return image;
 }
 

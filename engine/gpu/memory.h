@@ -26,15 +26,16 @@ struct ImageInfo {
   uint32_t mips = 1, layers = 1;
   VkImageUsageFlags usage = 0;
 };
+enum class WholeView { None, Flat, Array, Cube };  // Cube: six square layers
 // `view` covers all mips and layers, or is null.
 struct Image {
   VkImage handle = VK_NULL_HANDLE;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkImageView view = VK_NULL_HANDLE;
+  WholeView whole = WholeView::None;  // what kind of view
   ImageInfo info;
   VkDeviceSize bytes = 0;
 };
-enum class WholeView { None, Flat, Array };
 Image create_image(Device& device, const ImageInfo& info, const std::string& name, WholeView view = WholeView::Flat);
 void destroy(Device& device, Image& image);
 // A view of some mips and layers. The caller destroys it, before the image, with destroy_view().

@@ -83,9 +83,9 @@ Buffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUs
 }
 
 Image upload_image(Device& device, ImageInfo info, std::span<const ImagePart> parts, const std::string& name,
-                   bool array) {
+                   WholeView view) {
   info.usage |= VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  Image image = create_image(device, info, name, array ? WholeView::Array : WholeView::Flat);
+  Image image = create_image(device, info, name, view);
   VkDeviceSize total = 0;
   for (const ImagePart& part : parts) total += part.texels.size();
   Buffer staging = stage(device, total, name);

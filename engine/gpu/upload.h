@@ -25,6 +25,6 @@ struct ImagePart {
 };
 // Fills the whole image and leaves it in SHADER_READ_ONLY_OPTIMAL. info.usage gets SAMPLED and TRANSFER_DST added.
 Image upload_image(Device& device, ImageInfo info, std::span<const ImagePart> parts, const std::string& name,
-                   bool array);
+                   WholeView view);
 
 }  // namespace nf::gpu

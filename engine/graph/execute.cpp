@@ -202,9 +202,11 @@ void Executor::push_descriptors(const Graph& graph, const PassRow& pass, const g
       const VkImageViewType type = slot.shape == gpu::SlotShape::Cube    ? VK_IMAGE_VIEW_TYPE_CUBE
                                    : slot.shape == gpu::SlotShape::Array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
                                                                          : VK_IMAGE_VIEW_TYPE_2D;
-      const VkImageView seen = view(physical(graph, use.resource), use.part, type);
+      const gpu::Image* lent = graph.resources[use.resource].imported_image;
+      const VkImageView seen = lent ? lent->view : view(physical(graph, use.resource), use.part, type);
+      const VkImageLayout layout = lent ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : access.layout;
       write(slot, sampled ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-            &images.emplace_back(VkDescriptorImageInfo{VK_NULL_HANDLE, seen, access.layout}), nullptr);
+            &images.emplace_back(VkDescriptorImageInfo{VK_NULL_HANDLE, seen, layout}), nullptr);
     }
   }
   const auto write_block = [&](const ParamRow& row, const gpu::UniformRange& range) {

@@ -37,6 +37,17 @@ Buf Graph::import(const char* name, const gpu::Buffer& buffer, Location at) {
           serial_};
 }
 
+Tex Graph::import(const char* name, const gpu::Image& image, Location at) {
+  const gpu::ImageInfo& info = image.info;
+  return {add_resource(
+              {.name = name,
+               .lifetime = Lifetime::Imported,
+               .desc = {{info.extent.width, info.extent.height}, info.format, uint8_t(info.mips), uint8_t(info.layers)},
+               .imported_image = &image,
+               .at = at}),
+          serial_};
+}
+
 void Graph::pair_histories(uint16_t prev, uint16_t next) {
   ResourceRow &before = resources[prev], &after = resources[next];
   before.lifetime = Lifetime::HistoryPrev;
@@ -280,7 +291,7 @@ uint64_t topology_hash(const Graph& graph) {
     mix(uint64_t(r.desc.size.width) << 32 | r.desc.size.height);
     mix(uint64_t(r.desc.format) << 32 | uint64_t(r.desc.mips) << 24 | uint64_t(r.desc.layers) << 16 |
         uint64_t(r.lifetime) << 8 | uint64_t(r.is_buffer) << 1 | uint64_t(r.optional));
-    mix(r.lifetime == Lifetime::Imported ? 0 : r.bytes);
+    mix(r.lifetime != Lifetime::Imported ? r.bytes : r.imported_image ? uint64_t(r.imported_image->whole) : 0);
   }
   for (const PassRow& p : graph.passes) {
     mix_text(p.name);

@@ -106,7 +106,7 @@ struct Clear {
   float color[4] = {0, 0, 0, 0};
 };
 
-// Imported: a buffer that lives outside the frame and is only read in it (scene tables).
+// Imported: a buffer (scene tables) or an image (environment maps) that lives outside the frame and is only read in it.
 enum class Lifetime : uint8_t { Transient, HistoryPrev, HistoryNext, Imported };
 
 inline constexpr uint16_t no_resource = 0xffff;
@@ -120,6 +120,7 @@ struct ResourceRow {
   ImageDesc desc;         // images
   uint64_t bytes = 0;     // buffers
   const gpu::Buffer* imported = nullptr;
+  const gpu::Image* imported_image = nullptr;
   uint16_t pair = no_resource;  // HistoryPrev <-> HistoryNext
   Location at;
 };
@@ -243,6 +244,8 @@ class Graph {
   History history(const char* name, const ImageDesc& desc, Location at = Location::current());
   BufferHistory buffer_history(const char* name, uint64_t bytes, Location at = Location::current());
   Buf import(const char* name, const gpu::Buffer& buffer, Location at = Location::current());
+  // In SHADER_READ_ONLY_OPTIMAL, with its whole view (gpu/upload). Sampled only, and as a whole.
+  Tex import(const char* name, const gpu::Image& image, Location at = Location::current());
   // `tex` is a by-product: it is no fault when nothing reads it.
   Tex optional(Tex tex);
 

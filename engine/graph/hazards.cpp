@@ -312,6 +312,8 @@ class Replay {
     const ResourceRow& row = graph_.resources[use.resource];
     if (row.lifetime == Lifetime::Imported) {
       if (writes(use.use)) object(use.resource, "is written, but only lent to the frame");
+      if (!row.is_buffer && use.use != Use::SampledImage)
+        object(use.resource, "is lent to be sampled, and is used in another layout");
       return;
     }
     for (const Segment& s : segments_of(use.resource))

@@ -34,6 +34,7 @@ class Validator {
       pass_ = &pass;
       if (!check_handles() || !check_parts()) continue;
       if (has_shader()) check_slots();
+      check_lent();
       check_sizes();
       check_conflicts();
       check_written();
@@ -187,6 +188,34 @@ class Validator {
     if (slot.kind == gpu::SlotKind::StorageImage && use.part.mips != 1)
       report(Diagnostic::Kind::SizeMismatch, use,
              fmt::format("a storage image is one mip, and {} are used: name one with mip()", use.part.mips));
+  }
+
+  // An imported image stays in the layout and has the one view it came with.
+  void check_lent() {
+    for (const UseRow& use : uses()) {
+      const gpu::Image* image = resource(use).imported_image;
+      if (!image) continue;
+      if (use.use != Use::SampledImage && reads(use.use)) {
+        report(Diagnostic::Kind::Direction, use, "is an imported image and can only be sampled");
+        continue;
+      }
+      const ImageDesc& desc = resource(use).desc;
+      if (use.part != Part{0, desc.mips, 0, desc.layers})
+        report(Diagnostic::Kind::SizeMismatch, use, "is an imported image and is sampled as a whole, not in parts");
+      const gpu::Slot* slot = use.slot && has_shader() ? pass_->pipeline.interface->find(use.slot) : nullptr;
+      if (!slot || slot->kind != gpu::SlotKind::SampledImage || image->whole == whole_view(slot->shape)) continue;
+      const bool layers_fit = slot->shape == gpu::SlotShape::Flat   ? desc.layers == 1
+                              : slot->shape == gpu::SlotShape::Cube ? desc.layers == 6
+                                                                    : true;
+      if (layers_fit)  // else check_shape() has said so
+        report(Diagnostic::Kind::SizeMismatch, use,
+               "is an imported image whose view (flat, array or cube) is not what the shader's slot takes");
+    }
+  }
+  static gpu::WholeView whole_view(gpu::SlotShape shape) {
+    return shape == gpu::SlotShape::Cube    ? gpu::WholeView::Cube
+           : shape == gpu::SlotShape::Array ? gpu::WholeView::Array
+                                            : gpu::WholeView::Flat;
   }
 
   // A shader that reads what a frame before has left must be told when there is none.

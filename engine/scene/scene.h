@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/environment.h"
+
 namespace nf::scene {
 
 using glm::mat4;
@@ -190,9 +192,6 @@ struct PunctualLight {
   float radius = 0;
   float inner_cone = 3.14159265f, outer_cone = 3.14159265f;
   uint32_t node = none;  // the node that places and aims it, or none
-};
-struct Environment {
-  vec3 color{0};  // radiance, constant over the sphere, intensity multiplied in
 };
 
 // Looks along `forward` (unit); vfov in radians.

@@ -67,6 +67,12 @@ class Reader {
     return value;
   }
 
+  std::string text(const char* key) const {
+    const json& value = value_.at(key);
+    if (!value.is_string() || value.get_ref<const std::string&>().empty()) bad("'{}' must be a text", key_path(key));
+    return value.get<std::string>();
+  }
+
   vec3 vector(const char* key) const {
     if (!has(key)) bad("'{}' is missing", key_path(key));
     const json& array = value_.at(key);
@@ -146,18 +152,42 @@ PunctualLight read_point(const Reader& reader) {
   return light;
 }
 
-Environment read_environment(const Reader& reader) {
-  reader.expect_object({"color", "intensity", "hdr", "rotation_deg"});
+// `folder` is the view file's: a map's path is relative to it.
+Environment read_environment(const Reader& reader, const std::filesystem::path& folder) {
+  reader.expect_object({"color", "intensity", "zenith", "horizon", "ground", "hdr", "rotation_deg"});
+  const bool gradient = reader.has("zenith") || reader.has("horizon") || reader.has("ground");
   if (reader.has("hdr") && reader.has("color")) reader.bad("'{}' has both color and hdr", reader.path());
+  if (gradient && (reader.has("hdr") || reader.has("color"))) {
+    reader.bad("'{}' has a gradient (zenith, horizon, ground) beside {}", reader.path(),
+               reader.has("hdr") ? "hdr" : "color");
+  }
+  const float intensity = reader.number_at_least("intensity", 1, 0);
   if (reader.has("hdr")) {
-    reader.bad("'{0}.hdr': environments from a picture come with a later version, use '{0}.color'", reader.path());
+    const std::filesystem::path map = folder / reader.text("hdr");
+    const float rotation_deg = reader.number("rotation_deg", 0);
+    try {
+      return load_environment_map(map, intensity, rotation_deg);
+    } catch (const Error& e) {
+      reader.bad("'{}': {}", reader.key_path("hdr"), one_line(e.what(), 500));
+    }
   }
   if (reader.has("rotation_deg")) reader.bad("'{}.rotation_deg' belongs to an hdr environment", reader.path());
-  if (!reader.has("color")) reader.bad("'{}.color' is missing", reader.path());
+  const auto color = [&](const char* key) {
+    if (!reader.has(key)) reader.bad("'{}' is missing", reader.key_path(key));
+    const vec3 value = reader.color(key, vec3(0)) * intensity;
+    if (!glm::all(glm::lessThan(value, vec3(1e30f)))) {
+      reader.bad("'{}': {} times intensity is too large", reader.path(), key);
+    }
+    return value;
+  };
   Environment environment;
-  environment.color = reader.color("color", vec3(0)) * reader.number_at_least("intensity", 1, 0);
-  if (!glm::all(glm::lessThan(environment.color, vec3(1e30f)))) {
-    reader.bad("'{}': color times intensity is too large", reader.path());
+  if (gradient) {
+    environment.kind = EnvironmentKind::Gradient;
+    environment.zenith = color("zenith");
+    environment.horizon = color("horizon");
+    environment.ground = color("ground");
+  } else {
+    environment.color = color("color");
   }
   return environment;
 }
@@ -219,7 +249,7 @@ View load_view(const std::filesystem::path& path) {
     view.point.emplace();
     for (const Reader& row : reader.list("point")) view.point->push_back(read_point(row));
   }
-  if (reader.has("environment")) view.environment = read_environment(reader.child("environment"));
+  if (reader.has("environment")) view.environment = read_environment(reader.child("environment"), path.parent_path());
   return view;
 }
 

@@ -20,7 +20,8 @@ struct View {
 
 // Throws nf::Error (Exit::Input): missing file, bad JSON, an unknown key (named by its path, e.g. "camera.fov"), a
 // wrong type or a non-finite number, a degenerate camera (target == position, up parallel to the view, vfov outside
-// (0,180), near <= 0), an environment with both color and hdr.
+// (0,180), near <= 0), an environment of two kinds at once, or whose map cannot be read (its path is relative to the
+// view file).
 View load_view(const std::filesystem::path& path);
 void apply_view(const View& view, Scene& scene);
 
