@@ -4,6 +4,7 @@
 #include "reference/scatter.h"
 #include "reference_bed.h"
 #include "scenes.h"
+#include "sky.h"
 
 namespace nf {
 namespace {
@@ -203,6 +204,32 @@ TEST(ReferenceLight, Sky) {
   s.bounces = 2;
   const Traced t = trace(scene, s, "gi_1", 1024);
   EXPECT_NEAR(t.mean("gi_1"), 3 * 0.4 * (1 - f) * f, 0.02);  // nearly: the underside's light varies a little
+}
+
+// Under a turned HDR map a plane gets the sum over the map's texels, and sees the map behind itself.
+TEST(ReferenceLight, MapOfTheSky) {
+  Builder b;
+  floor_square(b, b.material({.base_color = vec3(0.5f)}));
+  scene::Scene scene = scene_of(b.glb());
+  const image::Image texels = content::sky_map(content::hazy(), 128);
+  scene.environment = scene::make_environment_map(texels, "sky", 2, 70);
+  glm::dvec3 sum(0);
+  for (uint32_t y = 0; y < texels.height / 2; ++y) {
+    const double latitude = pi / 2 - pi * (y + 0.5) / texels.height;
+    const double weight = std::sin(latitude) * std::cos(latitude) * (pi / texels.height) * (2 * pi / texels.width);
+    for (uint32_t x = 0; x < texels.width; ++x) {
+      for (uint32_t c = 0; c < 3; ++c) sum[int(c)] += 2.0 * double(texels.at(x, y, c)) * weight;
+    }
+  }
+  Settings s = lambert_settings(down_on_unit_square(), 16, 16);
+  const Traced t = trace(scene, s, "ambient", 256);
+  for (uint32_t c = 0; c < 3; ++c) EXPECT_NEAR(t.mean("ambient", c) / (0.5 * sum[int(c)] / pi), 1, 5e-3) << c;
+  // 30 degrees up and towards -X: turned by 70 degrees, the map's column of 180 + 70.
+  s.camera = camera({0, 1, 0}, {-1, 1 + std::tan(float(pi) / 6), 0}, 1);
+  const Traced sky = trace(scene, s, "ambient", 1);
+  const uint32_t column = uint32_t((0.5 + (180 + 70) / 360.0 - 1) * texels.width);
+  const uint32_t row = uint32_t((0.5 - 30 / 180.0) * texels.height);
+  for (uint32_t c = 0; c < 3; ++c) EXPECT_NEAR(sky.mean("", c) / (2 * double(texels.at(column, row, c))), 1, 0.02) << c;
 }
 
 // A white mirror-like room that glows: whatever the lobe, a bounce returns its directional albedo.

@@ -54,7 +54,9 @@ uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const Film& f
   for (const scene::Picture& p : scene.pictures) f.add(p.rgba);
   f.add(scene.directional);
   f.add(scene.punctual);
-  f.add(scene.environment.color);
+  const scene::Environment& e = scene.environment;
+  f.add(e.kind), f.add(e.color), f.add(e.zenith), f.add(e.horizon), f.add(e.ground);
+  f.add(e.width), f.add(e.texels), f.add(e.rotation);
   f.add(s.camera.position), f.add(s.camera.forward), f.add(s.camera.up), f.add(s.camera.vfov), f.add(s.camera.near);
   f.add(s.size), f.add(s.bounces), f.add(s.radius), f.add(s.radius_mode), f.add(s.falloff), f.add(s.bound_gi),
       f.add(s.lambert);

@@ -127,8 +127,8 @@ vec3 World::emission(uint32_t instance, uint32_t triangle, float u, float v) con
   return m.emissive * vec3(texture(m.emissive_texture, between(g.uv0[i.a], g.uv0[i.b], g.uv0[i.c], u, v)));
 }
 
-vec3 World::environment(vec3) const {
-  return scene_.environment.color;
+vec3 World::environment(vec3 direction) const {
+  return scene::radiance(scene_.environment, direction);
 }
 
 Surface World::surface(const Hit& hit, vec3 direction) const {
