@@ -25,14 +25,6 @@ struct MaterialRow {
   float metallic, roughness, normal_scale, alpha_cutoff;
   glm::ivec4 layers;  // base colour, metallic-roughness, normal, emissive; -1 = no texture
 };
-struct LightRow {
-  glm::vec3 position;
-  uint32_t directional;
-  glm::vec3 direction;  // of travel, world
-  float range;
-  glm::vec3 radiance;  // irradiance or intensity times colour
-  float cone_scale, cone_offset;
-};
 
 VkSamplerAddressMode address(scene::Wrap wrap) {
   return wrap == scene::Wrap::Repeat   ? VK_SAMPLER_ADDRESS_MODE_REPEAT
@@ -51,6 +43,9 @@ std::array<uint32_t, 4> textures_of(const scene::Material& m) {
 DrawClass class_of(const scene::Material& m) {
   return m.alpha == scene::AlphaMode::Opaque ? DrawClass::Opaque : DrawClass::Masked;
 }
+
+// One more than frames in flight: a frame's lists are written before the oldest of them is waited for.
+constexpr uint32_t list_regions = gpu::FrameRing::size + 1;
 
 }  // namespace
 
@@ -71,13 +66,13 @@ SceneTables::SceneTables(gpu::Device& device, const scene::Scene& scene) : devic
   upload_geometry();
   upload_textures();
   upload_materials();
-  upload_instances_and_lights();
+  upload_instances();
 }
 
 SceneTables::~SceneTables() {
   vkDeviceWaitIdle(device_.handle);
   for (gpu::Buffer& stream : streams_) destroy(device_, stream);
-  for (gpu::Buffer* buffer : {&indices_, &instances_, &materials_, &lights_, &reflectance_}) destroy(device_, *buffer);
+  for (gpu::Buffer* buffer : {&indices_, &instances_, &materials_, &reflectance_}) destroy(device_, *buffer);
   for (gpu::Image& image : arrays_) destroy(device_, image);
   for (const auto& [key, sampler] : samplers_) vkDestroySampler(device_.handle, sampler, nullptr);
   vkDestroyDescriptorPool(device_.handle, pool_, nullptr);
@@ -224,7 +219,7 @@ void SceneTables::upload_materials() {
   }
 }
 
-void SceneTables::upload_instances_and_lights() {
+void SceneTables::upload_instances() {
   std::vector<InstanceRow> instances;
   for (size_t i = 0; i < scene_.instances.size(); ++i) {
     const uint32_t node = scene_.instances.node[i];
@@ -232,32 +227,9 @@ void SceneTables::upload_instances_and_lights() {
                          scene_.primitives[scene_.instances.primitive[i]].material,
                          scene_.instances.mirrored[i] ? -1.0f : 1.0f});
   }
-  std::vector<LightRow> lights;
-  for (const scene::DirectionalLight& l : scene_.directional)
-    lights.push_back({.position = {},
-                      .directional = 1,
-                      .direction = l.direction,
-                      .range = 0,
-                      .radiance = l.color * l.irradiance,
-                      .cone_scale = 0,
-                      .cone_offset = 1});
-  for (const scene::PunctualLight& l : scene_.punctual) {
-    // KHR_lights_punctual: smooth between the cones as clamp(cos * scale + offset)^2.
-    const bool spot = l.outer_cone < 3.14f;
-    const float outer = std::cos(l.outer_cone);
-    const float scale = spot ? 1.0f / std::max(0.001f, std::cos(l.inner_cone) - outer) : 0.0f;
-    lights.push_back({.position = l.position,
-                      .directional = 0,
-                      .direction = l.direction,
-                      .range = l.range,
-                      .radiance = l.color * l.intensity,
-                      .cone_scale = scale,
-                      .cone_offset = spot ? -outer * scale : 1.0f});
-  }
   instances_ = gpu::upload_table(device_, instances, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.instances");
   reflectance_ =
       gpu::upload_table(device_, reflectance_table(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "lighting.reflectance");
-  lights_ = gpu::upload_table(device_, lights, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.lights");
 }
 
 void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const {
@@ -289,12 +261,12 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
   if (list.capacity < capacity) {
     device_.wait_idle();
     destroy(device_, list.commands);
-    list.commands = gpu::create_buffer(
-        device_, VkDeviceSize(capacity) * gpu::FrameRing::size * sizeof(VkDrawIndexedIndirectCommand),
-        VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, gpu::Where::Host, "scene.draws");
+    list.commands =
+        gpu::create_buffer(device_, VkDeviceSize(capacity) * list_regions * sizeof(VkDrawIndexedIndirectCommand),
+                           VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, gpu::Where::Host, "scene.draws");
     list.capacity = capacity;
   }
-  list.region = (list.region + 1) % gpu::FrameRing::size;
+  list.region = (list.region + 1) % list_regions;
   list.batches.clear();
   list.draws = uint32_t(keyed.size());
   const uint32_t base = list.region * list.capacity;
@@ -321,8 +293,8 @@ void SceneTables::destroy_list(DrawList& list) const {
   list = {};
 }
 
-void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_materials,
-                       const graph::Recorder& recorder) const {
+void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder,
+                       Sides sides) const {
   std::array<VkBuffer, 5> buffers;
   for (size_t i = 0; i < buffers.size(); ++i) buffers[i] = streams_[i].handle;
   recorder.bind_vertex_streams(std::span(buffers).first(with_materials ? 5 : 1));
@@ -330,7 +302,7 @@ void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_mat
   for (const Batch& batch : list.batches) {
     if (batch.draw_class != draw_class) continue;
     if (with_materials) recorder.bind_set1(sets_[batch.texture_set]);
-    recorder.set_cull(batch.double_sided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT,
+    recorder.set_cull(batch.double_sided || sides == Sides::Both ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT,
                       batch.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
     recorder.draw_indexed_indirect(
         list.commands.handle, VkDeviceSize(batch.first_draw) * sizeof(VkDrawIndexedIndirectCommand), batch.draw_count);
