@@ -8,6 +8,7 @@ namespace nf::passes {
 std::vector<ParamBlock> FrameSettings::blocks() {
   std::vector<ParamBlock> all = {{&GiParams::table(), &gi.shared},
                                  {&MaterialParams::table(), &material},
+                                 {&LightParams::table(), &lights},
                                  {&ShadowParams::table(), &shadow},
                                  {&TonemapParams::table(), &tonemap}};
   for (const Technique& t : techniques())
@@ -15,15 +16,17 @@ std::vector<ParamBlock> FrameSettings::blocks() {
   return all;
 }
 
+std::vector<const ParamTable*> inner_tables() {
+  return {&FrameBlock::table(),     &AccumulateBlock::table(),  &SunBlock::table(),   &ShadowViewBlock::table(),
+          &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table()};
+}
+
 gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,
                                          const std::filesystem::path& cache) {
   gpu::ShaderCompiler compiler(folder, cache);
   FrameSettings settings;
   for (const ParamBlock& block : settings.blocks()) compiler.add_table(*block.table);
-  compiler.add_table(FrameBlock::table());
-  compiler.add_table(EnvironmentBlock::table());
-  compiler.add_table(AccumulateBlock::table());
-  compiler.add_table(DeformBlock::table());
+  for (const ParamTable* table : inner_tables()) compiler.add_table(*table);
   if (device.facts.fetch_storage) compiler.add_define("NF_FETCH_STORAGE", "1");
   return compiler;
 }
@@ -34,6 +37,7 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::
   pipelines_ =
       std::make_unique<gpu::Pipelines>(device, make_shader_compiler(device, gpu::find_shader_folder(), cache), cache);
   tables_ = std::make_unique<SceneTables>(device, scene);
+  lights_ = std::make_unique<Lights>(device);
   deform_ = create_deform(*pipelines_);
   gbuffer_ = create_gbuffer(*pipelines_, *tables_);
   shadow_ = create_shadow(*pipelines_, *tables_);
@@ -49,7 +53,7 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::
 Renderer::~Renderer() {
   executor_.reset();
   tables_->destroy_list(camera_draws_);
-  tables_->destroy_list(shadow_draws_);
+  for (DrawList& list : shadow_draws_) tables_->destroy_list(list);
   destroy(device_, environment_);
 }
 
@@ -61,20 +65,18 @@ void Renderer::update(const scene::Changes& changes) {
 FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const FrameSettings& settings) {
   if (settings.technique != last_technique_) graph.forget_histories();
   last_technique_ = settings.technique;
-  const FrameBlock frame = make_frame_block(view, scene_, settings.material, settings.shadow);
+  const FrameBlock frame = make_frame_block(view, scene_, settings.material);
   graph.share(frame);
   executor_->wait_for_side();
   tables_->build_draws(camera_draws_, scene::frustum_from_clip(frame.jittered_clip_from_world), view.camera.position);
-  const bool shadowed = settings.shadow.enabled && !scene_.directional.empty();
-  if (shadowed)
-    tables_->build_draws(shadow_draws_, scene::frustum_from_clip(frame.shadow_from_world), view.camera.position);
+  const ShadowPlan shadows = plan_shadows(view.camera, view.size, scene_, settings.shadow);
+  lights_->update(scene_, view.camera, view.size, view.jitter, shadows, settings.lights);
 
   FrameOutputs out;
   const graph::Buf deformed = add_deform(graph, deform_, *tables_);
   out.gbuffer = add_gbuffer(graph, gbuffer_, {view.size.x, view.size.y}, *tables_, camera_draws_, deformed);
-  const graph::Tex shadow =
-      shadowed ? add_shadow(graph, shadow_, settings.shadow, *tables_, shadow_draws_, deformed) : graph::Tex{};
-  out.direct = add_direct(graph, lighting_, out.gbuffer, shadow, settings.shadow, *tables_);
+  const ShadowMaps maps = add_shadows(graph, shadow_, settings.shadow, shadows, *tables_, shadow_draws_, deformed);
+  out.direct = add_direct(graph, lighting_, out.gbuffer, shadows, maps, *lights_, {settings.shadow, settings.lights});
   out.gi = settings.technique->add(graph, gi_, out.gbuffer, out.direct, settings.gi);
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_, environment_);
   // What a frame offers. Whoever runs it reads what he wants to see.

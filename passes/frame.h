@@ -17,6 +17,7 @@ struct FrameSettings {
   const Technique* technique = &find_technique("vbgi");
   GiSettings gi;
   MaterialParams material;
+  LightParams lights;
   ShadowParams shadow;
   TonemapParams tonemap;
 
@@ -52,7 +53,9 @@ class Renderer {
   const scene::Scene& scene_;
   std::unique_ptr<gpu::Pipelines> pipelines_;
   std::unique_ptr<SceneTables> tables_;
-  DrawList camera_draws_, shadow_draws_;
+  std::unique_ptr<Lights> lights_;
+  DrawList camera_draws_;
+  std::vector<DrawList> shadow_draws_;  // one a map
   DeformPass deform_;
   GBufferPass gbuffer_;
   ShadowPass shadow_;
@@ -66,6 +69,9 @@ class Renderer {
   std::vector<std::string> mean_names_;        // by row of aovs()
   std::unique_ptr<graph::Executor> executor_;  // last: goes first
 };
+
+// Tables of blocks that no user sets.
+std::vector<const ParamTable*> inner_tables();
 
 // Compiles shaders with every table of the passes and the device's facts; also what tests use for shaders of their own.
 gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,

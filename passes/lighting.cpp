@@ -18,8 +18,15 @@ int ambient_variant(const GiResult& gi) {
 
 LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
   LightingPass pass;
-  pass.direct = pipelines.fullscreen("direct.frag");
-  pass.direct_shadowed = pipelines.fullscreen("direct.frag", {{"SHADOWED", "1"}});
+  for (int sun = 0; sun < 2; ++sun)
+    for (int tiles = 0; tiles < 2; ++tiles)
+      for (int grid = 0; grid < 2; ++grid) {
+        gpu::Defines defines;
+        if (sun) defines.emplace_back("SUN_SHADOW", "1");
+        if (tiles) defines.emplace_back("TILE_SHADOWS", "1");
+        if (grid) defines.emplace_back("LIGHT_GRID", "1");
+        pass.direct[sun][tiles][grid] = pipelines.fullscreen("direct.frag", defines);
+      }
   for (int gi = 0; gi < 2; ++gi)
     for (int open = 0; open < 3; ++open) {
       gpu::Defines defines = ambient_defines(open, environment_map);
@@ -30,23 +37,31 @@ LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
   return pass;
 }
 
-Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, graph::Tex shadow_map,
-                    const ShadowParams& shadow, const SceneTables& scene) {
+Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const ShadowPlan& shadows,
+                    const ShadowMaps& maps, const Lights& lights, const DirectParams& params) {
   const Radiance out{graph.image("direct.diffuse", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
                      graph.image("direct.specular", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
                      graph.image("direct.radiance", {g.size, VK_FORMAT_R32_UINT})};
-  auto builder = graph.fullscreen("direct.light", shadow_map ? pass.direct_shadowed : pass.direct,
+  auto builder = graph.fullscreen("direct.light", pass.direct[maps.sun.valid()][maps.tiles.valid()][lights.has_grid],
                                   "Sun, point and spot lights: diffuse and specular, and the GI's source");
   builder.in("depth", g.depth)
       .in("normal", g.normal)
       .in("albedo", g.albedo)
       .in("material", g.material)
       .in("emissive", g.emissive)
-      .in("lights", graph.import("scene.lights", scene.lights()))
+      .in("light_rows", graph.import("lights.rows", *lights.rows))
       .out("direct_diffuse", out.diffuse)
       .out("direct_specular", out.specular)
-      .out("radiance", out.radiance);
-  if (shadow_map) builder.in("shadow_map", shadow_map).params(shadow);
+      .out("radiance", out.radiance)
+      .params(lights.view)
+      .params(params.lights)
+      .params(shadows.sun);
+  if (maps.sun) builder.in("sun_map", maps.sun);
+  if (maps.tiles) builder.in("tile_maps", maps.tiles);
+  if (maps.sun || maps.tiles) builder.params(params.shadow);
+  if (lights.has_grid)
+    builder.in("cluster_first", graph.import("lights.cluster_first", *lights.cluster_first))
+        .in("cluster_lights", graph.import("lights.cluster_lights", *lights.cluster_lights));
   return out;
 }
 

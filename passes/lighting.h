@@ -4,7 +4,7 @@
 #include "environment.h"
 #include "gbuffer.h"
 #include "gi/gi_result.h"
-#include "shadow.h"
+#include "light_grid.h"
 
 namespace nf::passes {
 
@@ -25,16 +25,20 @@ gpu::Defines ambient_defines(int variant, bool environment_map);
 int ambient_variant(const GiResult& gi);
 
 struct LightingPass {
-  gpu::Pipeline direct, direct_shadowed;
+  gpu::Pipeline direct[2][2][2];  // [sun is shadowed][tiles][grid]
   gpu::Pipeline composite[2][3];  // [has gi][nothing, visibility, bent normals too]
   gpu::Pipeline tonemap;
 };
 // `environment_map`: the environment is not constant.
 LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map);
 
-// `shadow_map` may be invalid: no shadows.
-Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, graph::Tex shadow_map,
-                    const ShadowParams& shadow, const SceneTables& scene);
+struct DirectParams {
+  const ShadowParams& shadow;
+  const LightParams& lights;
+};
+// `lights` must live until the graph has run.
+Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const ShadowPlan& shadows,
+                    const ShadowMaps& maps, const Lights& lights, const DirectParams& params);
 // RGBA16F, linear radiance before tone mapping.
 graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const Radiance& direct,
                          const GiResult& gi, const SceneTables& scene, const EnvironmentMaps& environment);

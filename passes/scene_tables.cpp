@@ -31,14 +31,6 @@ struct MaterialRow {
   glm::mat2 uv_linear[5];
   glm::vec2 uv_offset[5];
 };
-struct LightRow {
-  glm::vec3 position;
-  uint32_t directional;
-  glm::vec3 direction;  // of travel, world
-  float range;
-  glm::vec3 radiance;  // irradiance or intensity times colour
-  float cone_scale, cone_offset;
-};
 
 VkSamplerAddressMode address(scene::Wrap wrap) {
   return wrap == scene::Wrap::Repeat   ? VK_SAMPLER_ADDRESS_MODE_REPEAT
@@ -71,13 +63,16 @@ float dielectric_f0(const scene::Material& m) {
   return std::min(r * r * tint, 1.0f) * m.specular;
 }
 
+}  // namespace
+
 // Blended surfaces are drawn as cut-outs; sorted blending is not part of the deferred frame.
-DrawClass class_of(const scene::Material& m) {
+DrawClass draw_class_of(const scene::Material& m) {
   if (is_mapped(m)) return DrawClass::Mapped;
   return m.alpha == scene::AlphaMode::Opaque ? DrawClass::Opaque : DrawClass::Masked;
 }
 
-}  // namespace
+// One more than frames in flight: a frame's lists are written before the oldest of them is waited for.
+constexpr uint32_t list_regions = gpu::FrameRing::size + 1;
 
 bool DrawList::has(DrawClass draw_class) const {
   return std::any_of(batches.begin(), batches.end(), [&](const Batch& b) { return b.draw_class == draw_class; });
@@ -95,7 +90,7 @@ SceneTables::SceneTables(gpu::Device& device, const scene::Scene& scene)
   upload_geometry();
   upload_textures();
   upload_materials();
-  upload_instances_and_lights();
+  upload_instances();
 }
 
 SceneTables::~SceneTables() {
@@ -103,7 +98,6 @@ SceneTables::~SceneTables() {
   for (gpu::Buffer& stream : streams_) destroy(device_, stream);
   for (gpu::Buffer* buffer : {&indices_, &materials_, &reflectance_}) destroy(device_, *buffer);
   instances_.destroy(device_);
-  lights_.destroy(device_);
   for (gpu::Image& image : arrays_) destroy(device_, image);
   for (const auto& [key, sampler] : samplers_) vkDestroySampler(device_.handle, sampler, nullptr);
   vkDestroyDescriptorPool(device_.handle, pool_, nullptr);
@@ -286,41 +280,12 @@ InstanceRow instance_row(const scene::Scene& scene, const DeformTables& deform, 
           deform.first_row()[i]};
 }
 
-// The directional lights come first.
-LightRow light_row(const scene::Scene& scene, uint32_t i) {
-  if (i < scene.directional.size()) {
-    const scene::DirectionalLight& l = scene.directional[i];
-    return {.position = {},
-            .directional = 1,
-            .direction = l.direction,
-            .range = 0,
-            .radiance = l.color * l.irradiance,
-            .cone_scale = 0,
-            .cone_offset = 1};
-  }
-  const scene::PunctualLight& l = scene.punctual[i - scene.directional.size()];
-  // KHR_lights_punctual: smooth between the cones as clamp(cos * scale + offset)^2.
-  const bool spot = l.outer_cone < 3.14f;
-  const float outer = std::cos(l.outer_cone);
-  const float scale = spot ? 1.0f / std::max(0.001f, std::cos(l.inner_cone) - outer) : 0.0f;
-  return {.position = l.position,
-          .directional = 0,
-          .direction = l.direction,
-          .range = l.range,
-          .radiance = l.color * l.intensity,
-          .cone_scale = scale,
-          .cone_offset = spot ? -outer * scale : 1.0f};
-}
-
 }  // namespace
 
-void SceneTables::upload_instances_and_lights() {
+void SceneTables::upload_instances() {
   instances_.create<InstanceRow>(
       device_, scene_.instances.size(), [&](uint32_t i) { return instance_row(scene_, deform_, i); },
       "scene.instances");
-  lights_.create<LightRow>(
-      device_, scene_.directional.size() + scene_.punctual.size(), [&](uint32_t i) { return light_row(scene_, i); },
-      "scene.lights");
   reflectance_ =
       gpu::upload_table(device_, reflectance_table(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "lighting.reflectance");
 }
@@ -328,10 +293,6 @@ void SceneTables::upload_instances_and_lights() {
 void SceneTables::update(const scene::Changes& changes) {
   deform_.update(changes);
   instances_.update<InstanceRow>(changes.instances, [&](uint32_t i) { return instance_row(scene_, deform_, i); });
-  std::vector<scene::RowRange> lights = changes.directional;
-  for (const scene::RowRange& range : changes.punctual)
-    lights.push_back({range.first + uint32_t(scene_.directional.size()), range.count});
-  lights_.update<LightRow>(lights, [&](uint32_t i) { return light_row(scene_, i); });
 }
 
 void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const {
@@ -352,7 +313,7 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
     uint32_t distance_bits;
     const float distance = glm::dot(to, to);
     std::memcpy(&distance_bits, &distance, sizeof distance_bits);  // positive floats order as their bits
-    const uint64_t batch = uint64_t(class_of(m)) << 30 | uint64_t(material_sets_[material]) << 2 |
+    const uint64_t batch = uint64_t(draw_class_of(m)) << 30 | uint64_t(material_sets_[material]) << 2 |
                            uint64_t(m.double_sided) << 1 | uint64_t(instances.mirrored[i] != 0);
     keyed.push_back({batch << 32 | distance_bits, i});
   }
@@ -363,12 +324,12 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
   if (list.capacity < capacity) {
     device_.wait_idle();
     destroy(device_, list.commands);
-    list.commands = gpu::create_buffer(
-        device_, VkDeviceSize(capacity) * gpu::FrameRing::size * sizeof(VkDrawIndexedIndirectCommand),
-        VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, gpu::Where::Host, "scene.draws");
+    list.commands =
+        gpu::create_buffer(device_, VkDeviceSize(capacity) * list_regions * sizeof(VkDrawIndexedIndirectCommand),
+                           VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, gpu::Where::Host, "scene.draws");
     list.capacity = capacity;
   }
-  list.region = (list.region + 1) % gpu::FrameRing::size;
+  list.region = (list.region + 1) % list_regions;
   list.batches.clear();
   list.draws = uint32_t(keyed.size());
   const uint32_t base = list.region * list.capacity;
@@ -384,7 +345,7 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
     if (n == 0 || keyed[n].key >> 32 != keyed[n - 1].key >> 32) {
       const scene::Material& m = scene_.materials[p.material];
       list.batches.push_back(
-          {class_of(m), m.double_sided, instances.mirrored[i] != 0, material_sets_[p.material], base + n, 0});
+          {draw_class_of(m), m.double_sided, instances.mirrored[i] != 0, material_sets_[p.material], base + n, 0});
     }
     ++list.batches.back().draw_count;
   }
@@ -395,8 +356,8 @@ void SceneTables::destroy_list(DrawList& list) const {
   list = {};
 }
 
-void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_materials,
-                       const graph::Recorder& recorder) const {
+void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder,
+                       Sides sides) const {
   std::array<VkBuffer, 6> buffers;
   for (size_t i = 0; i < buffers.size(); ++i) buffers[i] = streams_[i].handle;
   recorder.bind_vertex_streams(std::span(buffers).first(with_materials ? 6 : 1));
@@ -404,7 +365,7 @@ void SceneTables::draw(const DrawList& list, DrawClass draw_class, bool with_mat
   for (const Batch& batch : list.batches) {
     if (batch.draw_class != draw_class) continue;
     if (with_materials) recorder.bind_set1(sets_[batch.texture_set]);
-    recorder.set_cull(batch.double_sided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT,
+    recorder.set_cull(batch.double_sided || sides == Sides::Both ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT,
                       batch.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
     recorder.draw_indexed_indirect(
         list.commands.handle, VkDeviceSize(batch.first_draw) * sizeof(VkDrawIndexedIndirectCommand), batch.draw_count);

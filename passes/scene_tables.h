@@ -1,4 +1,4 @@
-// The scene on the GPU: vertex streams, tables of instances, materials and lights, textures in arrays, and the frame's
+// The scene on the GPU: vertex streams, tables of instances and materials, textures in arrays, and the frame's
 // draws as indirect commands.
 //
 // Draws are batched so that a draw costs an indirect command and not a descriptor change: textures of one size and
@@ -19,6 +19,8 @@ namespace nf::passes {
 
 // Mapped: textures with a transform or the second set of coordinates, cut out or not.
 enum class DrawClass : uint8_t { Opaque, Masked, Mapped };
+DrawClass draw_class_of(const scene::Material& material);
+enum class Sides : uint8_t { AsMaterial, Both };
 
 struct Batch {
   DrawClass draw_class;
@@ -52,7 +54,8 @@ class SceneTables {
   void update(const scene::Changes& changes);
 
   // Records the batches of one class. Without materials only positions are bound (depth of opaque surfaces).
-  void draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder) const;
+  void draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder,
+            Sides sides = Sides::AsMaterial) const;
 
   VkDescriptorSetLayout material_set_layout() const { return set_layout_; }
   const gpu::Buffer& positions() const { return streams_[0]; }
@@ -61,7 +64,6 @@ class SceneTables {
   const DeformTables& deform() const { return deform_; }
   const gpu::Buffer& instances() const { return instances_.current(); }
   const gpu::Buffer& materials() const { return materials_; }
-  const gpu::Buffer& lights() const { return lights_.current(); }
   const gpu::Buffer& reflectance() const { return reflectance_; }  // environment.h
   // All streams in the order of the shaders' locations: position, normal, tangent, uv0, color, uv1.
   static std::span<const gpu::VertexStream> streams();
@@ -73,7 +75,7 @@ class SceneTables {
   void upload_geometry();
   void upload_textures();
   void upload_materials();
-  void upload_instances_and_lights();
+  void upload_instances();
   VkSampler sampler_for(const scene::Sampler& sampler);
   uint32_t texture_set_for(const scene::Material& material);
 
@@ -82,7 +84,7 @@ class SceneTables {
   std::array<gpu::Buffer, 6> streams_;
   gpu::Buffer indices_, materials_, reflectance_;
   DeformTables deform_;
-  HostTable instances_, lights_;
+  HostTable instances_;
   std::vector<gpu::Image> arrays_;        // row 0: one white texel, for materials without a texture
   std::vector<ArraySlot> picture_slots_;  // by scene picture
   std::vector<std::pair<scene::Sampler, VkSampler>> samplers_;

@@ -1,23 +1,167 @@
-// Fitting and drawing of the shadow map.
+// Fitting, choice and drawing of the shadow maps.
 #include "shadow.h"
 
-#include <glm/gtc/matrix_transform.hpp>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace nf::passes {
+namespace {
 
-glm::mat4 fit_shadow(const scene::Bounds& bounds, glm::vec3 direction, float& extent) {
-  const glm::vec3 center = (bounds.min + bounds.max) * 0.5f;
-  const float radius = std::max(glm::length(bounds.max - bounds.min) * 0.5f, 1e-3f) * 1.01f;
-  extent = 2 * radius;
-  const glm::vec3 up = std::abs(direction.y) > 0.99f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::mat4 light_from_world = glm::lookAt(center - direction * radius, center, up);
-  // x, y in [-r, r] to [-1, 1]; distance 0 to depth 1, distance 2r to depth 0 (light space looks down -z).
-  glm::mat4 clip(1);
-  clip[0][0] = 1 / radius;
-  clip[1][1] = -1 / radius;
-  clip[2][2] = 0.5f / radius;
-  clip[3][2] = 1;
-  return clip * light_from_world;
+using glm::vec2;
+using glm::vec3;
+
+// Texels at a map's border that no receiver falls in: room for the filter, and for standing on whole texels.
+float guard(const ShadowParams& params) {
+  return params.least_filter + 2;
+}
+
+// The smallest sphere about a slice of the view: its centre's depth and its radius. `k` is the tangent of half the
+// view's diagonal.
+vec2 slice_sphere(float near, float far, float k) {
+  const float k2 = k * k;
+  if (k2 * (far + near) >= far - near) return {far, far * k};
+  return {0.5f * (far + near) * (1 + k2),
+          0.5f * std::sqrt((far - near) * (far - near) + 2 * (far * far + near * near) * k2 +
+                           (far + near) * (far + near) * k2 * k2)};
+}
+
+// In steps of a quarter octave, so that cascades seldom change their size as the camera moves.
+float view_distance(const scene::Camera& camera, const scene::Bounds& bounds, float limit) {
+  const vec3 center = (bounds.min + bounds.max) * 0.5f, extent = (bounds.max - bounds.min) * 0.5f;
+  float far = glm::dot(center - camera.position, camera.forward) + glm::dot(extent, glm::abs(camera.forward));
+  far = std::exp2(std::ceil(std::log2(std::max(far, camera.near * 2)) * 4) / 4);
+  return limit > 0 ? std::clamp(limit, camera.near * 1.01f, far) : far;
+}
+
+float luminance(vec3 c) {
+  return glm::dot(c, vec3(0.2126f, 0.7152f, 0.0722f));
+}
+
+bool is_spot(const scene::PunctualLight& light) {
+  return light.outer_cone < 3.14f;
+}
+
+float importance(const scene::PunctualLight& light, vec3 eye) {
+  const vec3 to = light.position - eye;
+  const float share = is_spot(light) ? 0.5f * (1 - std::cos(light.outer_cone)) : 1.0f;
+  const float away = std::max(glm::length(to) - light.range, 0.0f);
+  const float reach = light.range > 0 ? 1 / (1 + away * away) : 1.0f;
+  return luminance(light.color) * light.intensity * share * reach / (1 + glm::dot(to, to));
+}
+
+void add_tiles(const scene::PunctualLight& light, const ShadowParams& params, std::vector<ShadowTile>& tiles) {
+  const float inner = 1 - 2 * guard(params) / float(params.tile_resolution);
+  const float near = std::max(light.radius, 0.02f);
+  if (is_spot(light)) {
+    const float half_angle = std::min(light.outer_cone, glm::radians(80.0f));
+    tiles.push_back({light.position, light.direction, inner / std::tan(half_angle), near});
+    return;
+  }
+  for (int face = 0; face < 6; ++face) {
+    vec3 axis(0);
+    axis[face / 2] = face % 2 ? -1.0f : 1.0f;
+    tiles.push_back({light.position, axis, inner, near});
+  }
+}
+
+void choose_tiles(const scene::Scene& scene, vec3 eye, const ShadowParams& params, ShadowPlan& plan) {
+  std::vector<uint32_t> order(scene.punctual.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return importance(scene.punctual[a], eye) > importance(scene.punctual[b], eye);
+  });
+  int left = params.tiles;
+  for (const uint32_t i : order) {
+    const int wanted = is_spot(scene.punctual[i]) ? 1 : 6;
+    if (wanted > left) continue;
+    left -= wanted;
+    plan.first_tile[i] = 0;
+  }
+  for (size_t i = 0; i < scene.punctual.size(); ++i) {
+    if (plan.first_tile[i] < 0) continue;
+    plan.first_tile[i] = int32_t(plan.tiles.size());
+    add_tiles(scene.punctual[i], params, plan.tiles);
+  }
+}
+
+}  // namespace
+
+void map_axes(vec3 axis, vec3& right, vec3& down) {
+  const float s = axis.z < 0 ? -1.0f : 1.0f;
+  const float a = -1 / (s + axis.z), b = axis.x * axis.y * a;
+  right = {1 + s * axis.x * axis.x * a, s * b, -s * axis.x};
+  down = {b, s + axis.y * axis.y * a, -axis.y};
+}
+
+SunBlock fit_sun(const scene::Camera& camera, glm::uvec2 size, const scene::Bounds& bounds,
+                 const scene::DirectionalLight& light, const ShadowParams& params) {
+  SunBlock sun;
+  sun.direction = glm::normalize(light.direction);
+  sun.irradiance = light.color * light.irradiance;
+  sun.tan_radius = std::tan(glm::radians(light.angle_deg) * 0.5f);
+  map_axes(sun.direction, sun.right, sun.down);
+  if (!params.enabled) return sun;
+
+  const vec3 center = (bounds.min + bounds.max) * 0.5f;
+  const vec3 extent = glm::max((bounds.max - bounds.min) * 0.5f, vec3(1e-3f));
+  const float depth = glm::dot(glm::abs(sun.direction), extent) * 1.01f;
+  sun.depth_scale = -0.5f / depth;
+  sun.depth_offset = 0.5f - glm::dot(sun.direction, center) * sun.depth_scale;
+
+  const float texels = float(params.resolution), inner = std::max(1 - 2 * guard(params) / texels, 0.1f);
+  const float scene_half =
+      std::max(glm::dot(glm::abs(sun.right), extent), glm::dot(glm::abs(sun.down), extent)) / inner;
+  const float ty = std::tan(camera.vfov * 0.5f), tx = ty * float(size.x) / float(std::max(size.y, 1u));
+  const float near = camera.near, far = view_distance(camera, bounds, params.distance);
+  const auto split = [&](int i) {
+    const float t = float(i) / float(params.cascades);
+    return glm::mix(glm::mix(near, far, t), near * std::pow(far / near, t), params.split);
+  };
+  vec3* cascades[] = {&sun.cascade0, &sun.cascade1, &sun.cascade2, &sun.cascade3};
+  for (int i = 0; i < params.cascades; ++i) {
+    const vec2 sphere = slice_sphere(split(i), split(i + 1), std::sqrt(tx * tx + ty * ty));
+    const float half = sphere.y / inner;
+    const bool whole = half >= scene_half;
+    const vec3 at = whole ? center : camera.position + camera.forward * sphere.x;
+    vec2 middle(glm::dot(sun.right, at), glm::dot(sun.down, at));
+    const float side = whole ? scene_half : half, texel = 2 * side / texels;
+    if (!whole) middle = glm::floor(middle / texel + 0.5f) * texel;
+    *cascades[sun.cascade_count++] = vec3(middle, 1 / side);
+    if (whole) break;
+  }
+  return sun;
+}
+
+vec3 cascade_of(const SunBlock& sun, uint32_t cascade) {
+  return std::array{sun.cascade0, sun.cascade1, sun.cascade2, sun.cascade3}[cascade];
+}
+
+glm::mat4 clip_from_cascade(const SunBlock& sun, uint32_t cascade) {
+  const vec3 c = cascade_of(sun, cascade);
+  return glm::transpose(glm::mat4(glm::vec4(sun.right * c.z, -c.x * c.z), glm::vec4(sun.down * c.z, -c.y * c.z),
+                                  glm::vec4(sun.direction * sun.depth_scale, sun.depth_offset), glm::vec4(0, 0, 0, 1)));
+}
+
+glm::mat4 clip_from_tile(const ShadowTile& tile) {
+  vec3 right, down;
+  map_axes(tile.axis, right, down);
+  const auto row = [&](vec3 axis) { return glm::vec4(axis, -glm::dot(axis, tile.position)); };
+  return glm::transpose(
+      glm::mat4(row(right * tile.scale), row(down * tile.scale), glm::vec4(0, 0, 0, tile.near), row(tile.axis)));
+}
+
+ShadowPlan plan_shadows(const scene::Camera& camera, glm::uvec2 size, const scene::Scene& scene,
+                        const ShadowParams& params) {
+  ShadowPlan plan;
+  plan.first_tile.assign(scene.punctual.size(), -1);
+  if (!scene.directional.empty()) plan.sun = fit_sun(camera, size, scene.bounds, scene.directional[0], params);
+  if (params.enabled) choose_tiles(scene, camera.position, params, plan);
+  for (const scene::Material& material : scene.materials) {
+    plan.masked |= draw_class_of(material) == DrawClass::Masked;
+    plan.mapped |= draw_class_of(material) == DrawClass::Mapped;
+  }
+  return plan;
 }
 
 ShadowPass create_shadow(gpu::Pipelines& pipelines, const SceneTables& scene) {
@@ -32,26 +176,64 @@ ShadowPass create_shadow(gpu::Pipelines& pipelines, const SceneTables& scene) {
           pipelines.raster("shadow.vert", "shadow.frag", {{"MASKED", "1"}, {"MAPPED", "1"}}, masked)};
 }
 
-graph::Tex add_shadow(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const SceneTables& scene,
-                      const DrawList& draws, graph::Buf deformed) {
-  const uint32_t side = uint32_t(params.resolution);
-  const graph::Tex map = graph.image("shadow.map", {{side, side}, VK_FORMAT_D32_SFLOAT});
+namespace {
+
+struct MapNames {
+  const char *opaque, *masked, *mapped;
+};
+
+// Both sides of every surface cast shadows: light that comes from behind a wall does not shine through it.
+void add_map(graph::Graph& graph, const ShadowPass& pass, const MapNames& names, graph::TexPart map,
+             const glm::mat4& clip_from_world, vec3 eye, const ShadowPlan& plan, const SceneTables& scene,
+             DrawList& draws, graph::Buf deformed) {
+  scene.build_draws(draws, scene::frustum_from_clip(clip_from_world), eye);
+  const ShadowViewBlock view{clip_from_world};
   const graph::Buf instances = graph.import("scene.instances", scene.instances());
-  graph.raster("shadow.opaque", pass.opaque, "Depth of opaque surfaces from the sun")
+  const DrawList* list = &draws;
+  const SceneTables* tables = &scene;
+  graph.raster(names.opaque, pass.opaque, "Depth of opaque surfaces from the light")
       .in("instances", instances)
       .in("deformed", deformed)
       .depth(map, 0.0f)
-      .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Opaque, false, r); });
-  for (const auto& [name, pipeline, draw_class] : {std::tuple("shadow.masked", pass.masked, DrawClass::Masked),
-                                                   std::tuple("shadow.mapped", pass.mapped, DrawClass::Mapped)})
-    if (draws.has(draw_class))
-      graph.raster(name, pipeline, "Depth of cut-out surfaces from the sun")
-          .in("instances", instances)
-          .in("materials", graph.import("scene.materials", scene.materials()))
-          .in("deformed", deformed)
-          .depth(map)
-          .draw([&scene, &draws, which = draw_class](const graph::Recorder& r) { scene.draw(draws, which, true, r); });
-  return map;
+      .params(view)
+      .draw([=](const graph::Recorder& r) { tables->draw(*list, DrawClass::Opaque, false, r, Sides::Both); });
+  const auto add_behind = [&](const char* name, gpu::Pipeline pipeline, DrawClass draw_class) {
+    graph.raster(name, pipeline, "Depth of cut-out surfaces from the light")
+        .in("instances", instances)
+        .in("materials", graph.import("scene.materials", scene.materials()))
+        .in("deformed", deformed)
+        .depth(map)
+        .params(view)
+        .draw([=](const graph::Recorder& r) { tables->draw(*list, draw_class, true, r, Sides::Both); });
+  };
+  if (plan.masked) add_behind(names.masked, pass.masked, DrawClass::Masked);
+  if (plan.mapped) add_behind(names.mapped, pass.mapped, DrawClass::Mapped);
+}
+
+}  // namespace
+
+ShadowMaps add_shadows(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const ShadowPlan& plan,
+                       const SceneTables& scene, std::vector<DrawList>& draws, graph::Buf deformed) {
+  ShadowMaps maps;
+  const uint32_t cascades = plan.sun.cascade_count;
+  draws.resize(std::max(draws.size(), cascades + plan.tiles.size()));
+  const uint32_t side = uint32_t(params.resolution), tile_side = uint32_t(params.tile_resolution);
+  if (cascades) maps.sun = graph.image("shadow.sun", {{side, side}, VK_FORMAT_D32_SFLOAT, 1, uint8_t(cascades)});
+  for (uint32_t i = 0; i < cascades; ++i) {
+    const vec3 c = cascade_of(plan.sun, i);
+    const vec3 eye = plan.sun.right * c.x + plan.sun.down * c.y +
+                     plan.sun.direction * ((1 - plan.sun.depth_offset) / plan.sun.depth_scale);
+    add_map(graph, pass, {"shadow.sun_opaque", "shadow.sun_masked", "shadow.sun_mapped"}, layer(maps.sun, uint8_t(i)),
+            clip_from_cascade(plan.sun, i), eye, plan, scene, draws[i], deformed);
+  }
+  if (!plan.tiles.empty())
+    maps.tiles =
+        graph.image("shadow.tiles", {{tile_side, tile_side}, VK_FORMAT_D32_SFLOAT, 1, uint8_t(plan.tiles.size())});
+  for (size_t i = 0; i < plan.tiles.size(); ++i)
+    add_map(graph, pass, {"shadow.tile_opaque", "shadow.tile_masked", "shadow.tile_mapped"},
+            layer(maps.tiles, uint8_t(i)), clip_from_tile(plan.tiles[i]), plan.tiles[i].position, plan, scene,
+            draws[cascades + i], deformed);
+  return maps;
 }
 
 }  // namespace nf::passes

@@ -5,8 +5,7 @@
 
 namespace nf::passes {
 
-FrameBlock make_frame_block(const FrameView& view, const scene::Scene& scene, const MaterialParams& material,
-                            const ShadowParams& shadow) {
+FrameBlock make_frame_block(const FrameView& view, const scene::Scene& scene, const MaterialParams& material) {
   FrameBlock block;
   const glm::mat4 view_from_world = scene::view_from_world(view.camera);
   const glm::vec2 size(view.size);
@@ -25,15 +24,9 @@ FrameBlock make_frame_block(const FrameView& view, const scene::Scene& scene, co
   block.frame_index = view.frame_index;
   block.seed = view.seed;
   block.near = view.camera.near;
-  block.light_count = uint32_t(scene.directional.size() + scene.punctual.size());
   block.lambert = material.lambert;
   block.camera_position = view.camera.position;
   block.environment = scene.environment.color;
-  if (!scene.directional.empty()) {
-    float extent = 0;
-    block.shadow_from_world = fit_shadow(scene.bounds, scene.directional[0].direction, extent);
-    block.shadow_texel = extent / float(shadow.resolution);
-  }
   return block;
 }
 

@@ -1,9 +1,8 @@
-// One frame's cameras and lights as the uniform block `frame` that every shader can read.
+// One frame's cameras as the uniform block `frame` that every shader can read.
 #pragma once
 
 #include "core/params.h"
 #include "scene/scene.h"
-#include "shadow.h"
 
 namespace nf::passes {
 
@@ -13,9 +12,9 @@ namespace nf::passes {
 // clang-format off
 #define NF_FRAME_FIELDS(F)                                                                                     \
   F(Mat4, view_from_world) F(Mat4, world_from_view) F(Mat4, jittered_clip_from_world) F(Mat4, clip_from_world) \
-  F(Mat4, previous_clip_from_world) F(Mat4, shadow_from_world) F(Vec2, ray_scale) F(Vec2, ray_offset)          \
+  F(Mat4, previous_clip_from_world) F(Vec2, ray_scale) F(Vec2, ray_offset)          \
   F(Vec2, pixels_per_tangent) F(IVec2, size) F(Uint, frame_index) F(Uint, seed) F(Float, near)                 \
-  F(Uint, light_count) F(Float, shadow_texel) F(Uint, lambert) F(Vec3, camera_position) F(Vec3, environment)
+  F(Uint, lambert) F(Vec3, camera_position) F(Vec3, environment)
 // clang-format on
 NF_DECLARE_BLOCK(FrameBlock, "frame", NF_FRAME_FIELDS)
 
@@ -32,8 +31,7 @@ struct FrameView {
   glm::vec2 jitter{0};  // pixels
 };
 
-// light_count, shadow matrix and a constant environment's radiance come from the scene.
-FrameBlock make_frame_block(const FrameView& view, const scene::Scene& scene, const MaterialParams& material,
-                            const ShadowParams& shadow);
+// A constant environment's radiance comes from the scene.
+FrameBlock make_frame_block(const FrameView& view, const scene::Scene& scene, const MaterialParams& material);
 
 }  // namespace nf::passes

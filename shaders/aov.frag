@@ -61,6 +61,7 @@ void main() {
 #ifdef HAS_BENT
     direction = bent_normal(texelFetch(bent, pixel, 0).xyz, n);
 #endif
+    open *= material_texel.a;  // the material's own occlusion
     value.rgb = ambient_out(s, material_texel.b, n, to_eye, open, direction);
 #endif
   }

@@ -43,6 +43,7 @@ void main() {
 #ifdef HAS_VISIBILITY
   open = texelFetch(visibility, pixel, 0).x;
 #endif
+  open *= material_texel.a;  // the material's own occlusion
   vec3 n = unpack_normal(FETCH(normal, pixel));
   vec3 direction = n;
 #ifdef HAS_BENT

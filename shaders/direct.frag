@@ -4,45 +4,149 @@
 #include "common/brdf.glsl"
 #include "common/fetch.glsl"
 #include "common/frame.glsl"
+#include "common/lights.glsl"
+#include "common/noise.glsl"
 #include "common/pack.glsl"
 #include "common/scene.glsl"
+#include "common/shadow.glsl"
 #include "common/surface.glsl"
 #include "common/view.glsl"
+#include "params/light_view"
+#include "params/lights"
+#include "params/sun"
+#if defined(SUN_SHADOW) || defined(TILE_SHADOWS)
 #include "params/shadow"
+#include "common/shadow_filter.glsl"
+#endif
 
 FETCH_FLOAT_IMAGE(depth);
 FETCH_UINT_IMAGE(normal);
 uniform texture2D albedo;
 uniform texture2D material;
 uniform texture2D emissive;
-layout(scalar) readonly buffer light_table { Light rows[]; } lights;
-#ifdef SHADOWED
-uniform texture2D shadow_map;
-uniform samplerShadow shadow_compare;
+layout(scalar) readonly buffer light_table { Light rows[]; } light_rows;
+#ifdef SUN_SHADOW
+uniform texture2DArray sun_map;
+#endif
+#ifdef TILE_SHADOWS
+uniform texture2DArray tile_maps;
+#endif
+#ifdef LIGHT_GRID
+// passes/light_grid.h
+#define CLUSTER_PIXELS 32u
+#define CLUSTER_SLICES 16
+layout(scalar) readonly buffer first_table { uint rows[]; } cluster_first;
+layout(scalar) readonly buffer index_table { uint rows[]; } cluster_lights;
 #endif
 
 layout(location = 0) out vec4 direct_diffuse;
 layout(location = 1) out vec4 direct_specular;
 layout(location = 2) out uint radiance;
 
-// Share of the sun that arrives: 3x3 taps of the hardware's 2x2 comparison. The receiver is moved along its normal by the
-// texel's footprint, which grows with the slope (normal offset), so a plane never shadows itself.
-float sun_visibility(vec3 world, vec3 n, vec3 to_light) {
-#ifdef SHADOWED
-  float cosine = clamp(dot(n, to_light), 0.0, 1.0);
-  float sine = sqrt(1.0 - cosine * cosine);
-  vec3 offset = n * (shadow.normal_bias * frame.shadow_texel * (0.5 + sine)) + to_light * (shadow.bias * frame.shadow_texel);
-  vec4 p = frame.shadow_from_world * vec4(world + offset, 1.0);
-  vec2 uv = p.xy * 0.5 + 0.5;
-  float texel = 1.0 / float(textureSize(shadow_map, 0).x);
-  float sum = 0.0;
-  for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x)
-      sum += textureLod(sampler2DShadow(shadow_map, shadow_compare), vec3(uv + vec2(x, y) * texel, p.z), 0.0);
-  return sum / 9.0;
-#else
-  return 1.0;
+// All in world space.
+struct Receiver {
+  vec3 position;
+  vec3 normal;  // shading normal
+  vec3 plane;   // normal of the surface as the depth has it
+  vec3 to_eye;
+  float alpha;
+  vec3 f0;
+  vec2 spin;    // direction of this pixel's filter
+  float dither;
+};
+
+#ifdef SUN_SHADOW
+// The first cascade that has the point well inside; towards its border by a dither more and more often the next.
+float sun_visibility(Receiver r) {
+  vec2 at = vec2(dot(sun.right, r.position), dot(sun.down, r.position));
+  float limit = 1.0 - shadow.blend * r.dither;
+  vec3 cascade = sun.cascade0;
+  int layer = 0;
+  for (int i = 1; i < int(sun.cascade_count); ++i) {
+    vec2 ndc = abs(at - cascade.xy) * cascade.z;
+    if (max(ndc.x, ndc.y) < limit) break;
+    cascade = i == 1 ? sun.cascade1 : i == 2 ? sun.cascade2 : sun.cascade3;
+    layer = i;
+  }
+  // The plane in light space, z towards the light. A plane that faces away is no plane of this lit point's.
+  vec3 n = vec3(dot(sun.right, r.plane), dot(sun.down, r.plane), -dot(sun.direction, r.plane));
+  if (n.z <= 0.0) n = vec3(dot(sun.right, r.normal), dot(sun.down, r.normal), -dot(sun.direction, r.normal));
+  float half_side = 1.0 / cascade.z;
+  float size = float(textureSize(sun_map, 0).x);
+  float texel = 2.0 * half_side / size;
+  float offset = normal_offset(texel, n.z) * shadow.normal_bias;
+  MapPoint p;
+  p.uv = (at + n.xy * offset - cascade.xy) * (0.5 * cascade.z) + 0.5;
+  p.layer = layer;
+  p.depth = (dot(sun.direction, r.position) - n.z * offset - shadow.bias * texel) * sun.depth_scale + sun.depth_offset;
+  p.gradient = n.xy / max(n.z, 5e-3) * (2.0 * half_side * sun.depth_scale);
+  p.softness = sun.tan_radius * 0.5 * cascade.z / -sun.depth_scale;
+  bool inside = all(greaterThanEqual(p.uv, vec2(0.0))) && all(lessThanEqual(p.uv, vec2(1.0)));
+  float visible = map_visibility(sun_map, p, size, r.spin);
+  return inside ? visible : 1.0;
+}
 #endif
+
+#ifdef TILE_SHADOWS
+float tile_visibility(Receiver r, Light light, vec3 l) {
+  vec3 from = r.position - light.position;
+  vec3 axis = light.direction;
+  bool point = light.cone_scale == 0.0;
+  float size = float(textureSize(tile_maps, 0).x);
+  vec3 n = dot(r.plane, l) > 0.0 ? r.plane : r.normal;
+  float along = point ? max(abs(from.x), max(abs(from.y), abs(from.z))) : dot(axis, from);
+  float texel = 2.0 * along / (size * light.tile_scale);
+  from += n * (normal_offset(texel, dot(n, l)) * shadow.normal_bias) + l * (shadow.bias * texel);
+  MapPoint p;
+  p.layer = light.tile;
+  if (point) p.layer += face_of(from, axis);
+  vec3 right, down;
+  map_axes(axis, right, down);
+  along = max(dot(axis, from), 1e-4);
+  p.uv = vec2(dot(right, from), dot(down, from)) * (0.5 * light.tile_scale / along) + 0.5;
+  // 1 / along is affine over the plane: near (n . direction) / (n . from).
+  p.depth = light.tile_near / along;
+  p.gradient = vec2(dot(right, n), dot(down, n)) * (2.0 * light.tile_near / (light.tile_scale * min(dot(n, from), -1e-3 * along)));
+  p.softness = light.radius * 0.5 * light.tile_scale / light.tile_near;
+  return map_visibility(tile_maps, p, size, r.spin);
+}
+#endif
+
+// Adds irradiance (on the surface) from direction l, reflected: glTF 2.0, Appendix B.
+void reflect_light(Receiver r, vec3 l, vec3 irradiance, inout vec3 diffuse, inout vec3 specular) {
+  diffuse += irradiance;
+  float n_v = max(dot(r.normal, r.to_eye), 1e-4);
+  vec3 h = normalize(l + r.to_eye);
+  vec3 fresnel = fresnel_schlick(r.f0, clamp(dot(r.to_eye, h), 0.0, 1.0));
+  specular += irradiance * fresnel *
+              (ggx_distribution(clamp(dot(r.normal, h), 0.0, 1.0), r.alpha) * smith_visibility(dot(r.normal, l), n_v, r.alpha));
+}
+
+void add_light(uint row, Receiver r, inout vec3 diffuse, inout vec3 specular) {
+  Light light = light_rows.rows[row];
+  vec3 to = light.position - r.position;
+  float d2 = max(dot(to, to), 1e-8);
+  vec3 l = to * inversesqrt(d2);
+  float n_l = dot(r.normal, l);
+  if (n_l <= 0.0) return;
+  float arriving = light_falloff(-dot(light.direction, l), light.cone_scale, light.cone_offset, d2, light.range) * n_l / d2;
+#ifdef TILE_SHADOWS
+  if (light.tile >= 0 && arriving > 0.0) arriving *= tile_visibility(r, light, l);
+#endif
+  reflect_light(r, l, light.radiance * arriving, diffuse, specular);
+}
+
+vec3 position_at(ivec2 pixel, float z) { return view_position(vec2(pixel) + 0.5, z, frame.ray_scale, frame.ray_offset); }
+
+// Of a pixel's two neighbours on an axis the one nearer to the plane of the normal, so that neither silhouettes nor creases
+// count. `to` gets its position from here, view space.
+ivec2 neighbour(ivec2 pixel, ivec2 axis, vec3 here, vec3 n, out vec3 to) {
+  ivec2 before = max(pixel - axis, ivec2(0)), after = min(pixel + axis, frame.size - 1);
+  float z0 = FETCH(depth, before), z1 = FETCH(depth, after);
+  vec3 to0 = position_at(before, z0) - here, to1 = position_at(after, z1) - here;
+  bool back = after == pixel || (before != pixel && abs(dot(n, to0)) < abs(dot(n, to1)));
+  to = (back ? z0 : z1) > 0.0 ? (back ? to0 : to1) : vec3(0.0);
+  return back ? before : after;
 }
 
 void main() {
@@ -53,39 +157,53 @@ void main() {
   if (z <= 0.0) return;
   vec4 material_texel = texelFetch(material, pixel, 0);
   Surface s = unpack_surface(texelFetch(albedo, pixel, 0), material_texel);
-  vec3 view_position_here = view_position(vec2(pixel) + 0.5, z, frame.ray_scale, frame.ray_offset);
   mat3 world_from_view = mat3(frame.world_from_view);
-  vec3 world = (frame.world_from_view * vec4(view_position_here, 1.0)).xyz;
-  vec3 n = world_from_view * unpack_normal(FETCH(normal, pixel));
-  vec3 v = normalize(frame.camera_position - world);
-  float n_v = max(dot(n, v), 1e-4);
-  float alpha = max(s.roughness * s.roughness, 2e-3);
-  vec3 reflectance = diffuse_reflectance(s, material_texel.b);
+  vec3 here = position_at(pixel, z);
+  vec3 normal_here = unpack_normal(FETCH(normal, pixel));
+  vec3 to_x, to_y;
+  ivec2 x = neighbour(pixel, ivec2(1, 0), here, normal_here, to_x), y = neighbour(pixel, ivec2(0, 1), here, normal_here, to_y);
+  vec3 plane = cross(to_x, to_y) * float((x.x - pixel.x) * (pixel.y - y.y));
+  plane *= inversesqrt(max(dot(plane, plane), 1e-30));
+  if (dot(plane, normal_here) < 0.5) plane = normal_here;
+
+  Receiver r;
+  r.position = (frame.world_from_view * vec4(here, 1.0)).xyz;
+  r.normal = world_from_view * normal_here;
+  r.plane = world_from_view * plane;
+  r.to_eye = normalize(frame.camera_position - r.position);
+  r.alpha = max(s.roughness * s.roughness, 2e-3);
+  if (lights.specular_aa != 0u)
+    r.alpha = widened_alpha(r.alpha, unpack_normal(FETCH(normal, x)) - normal_here, unpack_normal(FETCH(normal, y)) - normal_here);
+  r.f0 = s.f0;
+  vec3 noise = sampling_noise(pixel, frame.frame_index, frame.seed);
+  float angle = noise.x * 6.28318530717959;
+  r.spin = vec2(cos(angle), sin(angle));
+  r.dither = noise.y;
 
   vec3 diffuse = vec3(0.0), specular = vec3(0.0);
-  for (uint i = 0; i < frame.light_count; ++i) {
-    Light light = lights.rows[i];
-    vec3 l = -light.direction;
-    vec3 irradiance = light.radiance;
-    if (light.directional == 0u) {
-      vec3 to = light.position - world;
-      float d2 = max(dot(to, to), 1e-8);
-      l = to * inversesqrt(d2);
-      float cone = clamp(dot(light.direction, -l) * light.cone_scale + light.cone_offset, 0.0, 1.0);
-      // KHR_lights_punctual's recommended window.
-      float ratio = light.range > 0.0 ? d2 / (light.range * light.range) : 0.0;
-      irradiance *= cone * cone * clamp(1.0 - ratio * ratio, 0.0, 1.0) / d2;
-    }
-    float n_l = dot(n, l);
-    if (n_l <= 0.0) continue;
-    if (i == 0u && light.directional != 0u) irradiance *= sun_visibility(world, n, l);
-    irradiance *= n_l;
-    vec3 h = normalize(l + v);
-    float n_h = clamp(dot(n, h), 0.0, 1.0);
-    vec3 fresnel = fresnel_schlick(s.f0, clamp(dot(v, h), 0.0, 1.0));
-    diffuse += irradiance * reflectance * (1.0 / 3.14159265358979);
-    if (frame.lambert == 0u) specular += irradiance * fresnel * (ggx_distribution(n_h, alpha) * smith_visibility(n_l, n_v, alpha));
+  float sun_cosine = -dot(r.normal, sun.direction);
+  if (sun_cosine > 0.0) {
+#ifdef SUN_SHADOW
+    sun_cosine *= sun_visibility(r);
+#endif
+    reflect_light(r, -sun.direction, sun.irradiance * sun_cosine, diffuse, specular);
   }
+  for (uint i = 0; i < light_view.suns; ++i) {
+    Light light = light_rows.rows[i];
+    float cosine = -dot(r.normal, light.direction);
+    if (cosine > 0.0) reflect_light(r, -light.direction, light.radiance * cosine, diffuse, specular);
+  }
+  for (uint i = light_view.suns; i < light_view.global; ++i) add_light(i, r, diffuse, specular);
+#ifdef LIGHT_GRID
+  uint slice = uint(clamp(floor(log2(z) * light_view.slice_scale + light_view.slice_offset), 0.0, float(CLUSTER_SLICES - 1)));
+  uint cluster = (slice * light_view.grid_height + uint(pixel.y) / CLUSTER_PIXELS) * light_view.grid_width + uint(pixel.x) / CLUSTER_PIXELS;
+  uint end = cluster_first.rows[cluster + 1u];
+  for (uint i = cluster_first.rows[cluster]; i < end; ++i) add_light(cluster_lights.rows[i], r, diffuse, specular);
+#else
+  for (uint i = light_view.global; i < light_view.count; ++i) add_light(i, r, diffuse, specular);
+#endif
+  diffuse *= diffuse_reflectance(s, material_texel.b) * (1.0 / 3.14159265358979);
+  if (frame.lambert != 0u) specular = vec3(0.0);
   direct_diffuse = vec4(min(diffuse, 65504.0), 1.0);
   direct_specular = vec4(min(specular, 65504.0), 1.0);
   radiance = pack_rgb9e5(diffuse + texelFetch(emissive, pixel, 0).rgb);

@@ -73,7 +73,7 @@ void main() {
   }
 
   albedo = vec4(encode_albedo(base.rgb), 1.0);
-  material = lambert ? vec4(0.0, 1.0, 0.0, occlusion) : vec4(metallic_roughness, f0, occlusion);
+  material = lambert ? vec4(0.0, 1.0, 0.0, 1.0) : vec4(metallic_roughness, f0, occlusion);
   normal = pack_normal(mat3(frame.view_from_world) * n);
   emissive = vec4(min(emission, 65504.0), 1.0);
   vec2 ndc = clip.xy / clip.z - previous_clip.xy / previous_clip.z;

@@ -1,7 +1,7 @@
-// Depth from the sun. MASKED surfaces bring what the cut-out needs.
+// Depth from a light. MASKED surfaces bring what the cut-out needs.
 #version 460
-#include "common/frame.glsl"
 #include "common/scene.glsl"
+#include "params/shadow_view"
 
 layout(location = 0) in vec3 in_position;
 layout(scalar) readonly buffer instance_table { Instance rows[]; } instances;
@@ -23,7 +23,7 @@ void main() {
   vec3 world = instance.deformed == NONE
                    ? (instance.world * vec4(in_position, 1.0)).xyz
                    : deformed.rows[instance.deformed + uint(gl_VertexIndex) - instance.first_vertex].position;
-  gl_Position = frame.shadow_from_world * vec4(world, 1.0);
+  gl_Position = shadow_view.clip_from_world * vec4(world, 1.0);
 #ifdef MASKED
   uv0 = in_uv0;
 #ifdef MAPPED

@@ -104,6 +104,7 @@ TEST_F(LiveWithChain, SwitchesChangeNothing) {
   graph::Plan plan;
   passes::FrameSettings settings;
   settings.shadow.resolution = 256;
+  settings.shadow.tile_resolution = 64;
   passes::Renderer renderer(device(), scene);
   renderer.pipelines().compiler().add_table(AtrousBlock::table());
   const gpu::Pipeline atrous = renderer.pipelines().compute("atrous.comp");

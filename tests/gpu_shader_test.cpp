@@ -9,8 +9,7 @@ namespace {
 
 std::vector<const ParamTable*> all_tables() {
   passes::FrameSettings settings;
-  std::vector<const ParamTable*> tables = {&passes::FrameBlock::table(), &passes::AccumulateBlock::table(),
-                                           &passes::EnvironmentBlock::table()};
+  std::vector<const ParamTable*> tables = passes::inner_tables();
   for (const ParamBlock& block : settings.blocks()) tables.push_back(block.table);
   return tables;
 }

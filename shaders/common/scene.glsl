@@ -36,14 +36,18 @@ struct Material {
   vec2 uv_offset[5];
 };
 
+// passes/light_grid.h
 struct Light {
   vec3 position;
-  uint directional;
+  float radius;
   vec3 direction;  // of travel, world
   float range;     // 0 = infinite
   vec3 radiance;   // irradiance (directional) or intensity, colour included
-  float cone_scale;
+  float cone_scale;  // 0: a point light
   float cone_offset;
+  int tile;          // first shadow tile; -1: unshadowed
+  float tile_scale;  // 1 / tan of half the angle that a tile sees
+  float tile_near;
 };
 
 #endif
