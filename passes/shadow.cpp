@@ -178,27 +178,33 @@ namespace {
 struct MapNames {
   const char *opaque, *masked;
 };
+struct MapDraws {
+  const SceneTables& scene;
+  bool masked;
+  Sides sides;
+};
 
-// Both sides of every surface cast shadows: light that comes from behind a wall does not shine through it.
 void add_map(graph::Graph& graph, const ShadowPass& pass, const MapNames& names, graph::TexPart map,
-             const glm::mat4& clip_from_world, vec3 eye, bool masked, const SceneTables& scene, DrawList& draws) {
+             const glm::mat4& clip_from_world, vec3 eye, const MapDraws& what, DrawList& draws) {
+  const SceneTables& scene = what.scene;
   scene.build_draws(draws, scene::frustum_from_clip(clip_from_world), eye);
   const ShadowViewBlock view{clip_from_world};
   const graph::Buf instances = graph.import("scene.instances", scene.instances());
   const DrawList* list = &draws;
   const SceneTables* tables = &scene;
+  const Sides sides = what.sides;
   graph.raster(names.opaque, pass.opaque, "Depth of opaque surfaces from the light")
       .in("instances", instances)
       .depth(map, 0.0f)
       .params(view)
-      .draw([=](const graph::Recorder& r) { tables->draw(*list, DrawClass::Opaque, false, r, Sides::Both); });
-  if (masked)
+      .draw([=](const graph::Recorder& r) { tables->draw(*list, DrawClass::Opaque, false, r, sides); });
+  if (what.masked)
     graph.raster(names.masked, pass.masked, "Depth of cut-out surfaces from the light")
         .in("instances", instances)
         .in("materials", graph.import("scene.materials", scene.materials()))
         .depth(map)
         .params(view)
-        .draw([=](const graph::Recorder& r) { tables->draw(*list, DrawClass::Masked, true, r, Sides::Both); });
+        .draw([=](const graph::Recorder& r) { tables->draw(*list, DrawClass::Masked, true, r, sides); });
 }
 
 }  // namespace
@@ -206,6 +212,7 @@ void add_map(graph::Graph& graph, const ShadowPass& pass, const MapNames& names,
 ShadowMaps add_shadows(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const ShadowPlan& plan,
                        const SceneTables& scene, std::vector<DrawList>& draws) {
   ShadowMaps maps;
+  const MapDraws what{scene, plan.masked, params.two_sided ? Sides::Both : Sides::AsMaterial};
   const uint32_t cascades = plan.sun.cascade_count;
   draws.resize(std::max(draws.size(), cascades + plan.tiles.size()));
   const uint32_t side = uint32_t(params.resolution), tile_side = uint32_t(params.tile_resolution);
@@ -215,14 +222,14 @@ ShadowMaps add_shadows(graph::Graph& graph, const ShadowPass& pass, const Shadow
     const vec3 eye = plan.sun.right * c.x + plan.sun.down * c.y +
                      plan.sun.direction * ((1 - plan.sun.depth_offset) / plan.sun.depth_scale);
     add_map(graph, pass, {"shadow.sun_opaque", "shadow.sun_masked"}, layer(maps.sun, uint8_t(i)),
-            clip_from_cascade(plan.sun, i), eye, plan.masked, scene, draws[i]);
+            clip_from_cascade(plan.sun, i), eye, what, draws[i]);
   }
   if (!plan.tiles.empty())
     maps.tiles =
         graph.image("shadow.tiles", {{tile_side, tile_side}, VK_FORMAT_D32_SFLOAT, 1, uint8_t(plan.tiles.size())});
   for (size_t i = 0; i < plan.tiles.size(); ++i)
     add_map(graph, pass, {"shadow.tile_opaque", "shadow.tile_masked"}, layer(maps.tiles, uint8_t(i)),
-            clip_from_tile(plan.tiles[i]), plan.tiles[i].position, plan.masked, scene, draws[cascades + i]);
+            clip_from_tile(plan.tiles[i]), plan.tiles[i].position, what, draws[cascades + i]);
   return maps;
 }
 
