@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds Nearfield and renders the bundled Cornell box, without a display.
+# Installs what is missing, builds Nearfield and renders the bundled atrium, without a display.
 set -euo pipefail
 
 for argument in "$@"; do
@@ -8,7 +8,7 @@ for argument in "$@"; do
       cat <<'HELP'
 Usage: ./demo.sh
 Installs missing Debian packages (as root or with sudo), builds preset `release` and renders the bundled scene
-build/release/content/cornell.glb to build/release/demo/cornell.png. Needs no display. Prints the time of every pass.
+build/release/content/atrium.glb to build/release/demo/atrium.png. Needs no display. Prints the time of every pass.
 HELP
       exit 0
       ;;
@@ -24,10 +24,10 @@ configure release
 say "Building. The first time takes some minutes."
 cmake --build build/release --target nearfield nearfield_scenes
 
-say "Rendering the Cornell box: 64 frames, averaged."
+say "Rendering the atrium: 24 frames, averaged."
 mkdir -p build/release/demo
-picture=build/release/demo/cornell.png
-build/release/nearfield render build/release/content/cornell.glb -o "$picture" --size 640x360 --frames 64 --accumulate \
-  --set gi.slices=4 --set tonemap.exposure_ev=1
+picture=build/release/demo/atrium.png
+build/release/nearfield render build/release/content/atrium.glb --view build/release/content/atrium.json -o "$picture" \
+  --size 640x360 --frames 24 --accumulate --set gi.slices=2 --set tonemap.exposure_ev=0.5
 say "The picture is $PWD/$picture"
 say "See README.md for more to try; ./test.sh runs the tests."

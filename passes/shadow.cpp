@@ -181,33 +181,39 @@ namespace {
 struct MapNames {
   const char *opaque, *masked, *mapped;
 };
+// What every map of a frame draws.
+struct MapDraws {
+  const SceneTables& scene;
+  const ShadowPlan& plan;
+  Sides sides;
+  graph::Buf deformed;
+};
 
-// Both sides of every surface cast shadows: light that comes from behind a wall does not shine through it.
 void add_map(graph::Graph& graph, const ShadowPass& pass, const MapNames& names, graph::TexPart map,
-             const glm::mat4& clip_from_world, vec3 eye, const ShadowPlan& plan, const SceneTables& scene,
-             DrawList& draws, graph::Buf deformed) {
-  scene.build_draws(draws, scene::frustum_from_clip(clip_from_world), eye);
+             const glm::mat4& clip_from_world, vec3 eye, const MapDraws& what, DrawList& draws) {
+  what.scene.build_draws(draws, scene::frustum_from_clip(clip_from_world), eye);
   const ShadowViewBlock view{clip_from_world};
-  const graph::Buf instances = graph.import("scene.instances", scene.instances());
+  const graph::Buf instances = graph.import("scene.instances", what.scene.instances());
   const DrawList* list = &draws;
-  const SceneTables* tables = &scene;
+  const SceneTables* tables = &what.scene;
+  const Sides sides = what.sides;
   graph.raster(names.opaque, pass.opaque, "Depth of opaque surfaces from the light")
       .in("instances", instances)
-      .in("deformed", deformed)
+      .in("deformed", what.deformed)
       .depth(map, 0.0f)
       .params(view)
-      .draw([=](const graph::Recorder& r) { tables->draw(*list, DrawClass::Opaque, false, r, Sides::Both); });
+      .draw([=](const graph::Recorder& r) { tables->draw(*list, DrawClass::Opaque, false, r, sides); });
   const auto add_behind = [&](const char* name, gpu::Pipeline pipeline, DrawClass draw_class) {
     graph.raster(name, pipeline, "Depth of cut-out surfaces from the light")
         .in("instances", instances)
-        .in("materials", graph.import("scene.materials", scene.materials()))
-        .in("deformed", deformed)
+        .in("materials", graph.import("scene.materials", what.scene.materials()))
+        .in("deformed", what.deformed)
         .depth(map)
         .params(view)
-        .draw([=](const graph::Recorder& r) { tables->draw(*list, draw_class, true, r, Sides::Both); });
+        .draw([=](const graph::Recorder& r) { tables->draw(*list, draw_class, true, r, sides); });
   };
-  if (plan.masked) add_behind(names.masked, pass.masked, DrawClass::Masked);
-  if (plan.mapped) add_behind(names.mapped, pass.mapped, DrawClass::Mapped);
+  if (what.plan.masked) add_behind(names.masked, pass.masked, DrawClass::Masked);
+  if (what.plan.mapped) add_behind(names.mapped, pass.mapped, DrawClass::Mapped);
 }
 
 }  // namespace
@@ -215,6 +221,7 @@ void add_map(graph::Graph& graph, const ShadowPass& pass, const MapNames& names,
 ShadowMaps add_shadows(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const ShadowPlan& plan,
                        const SceneTables& scene, std::vector<DrawList>& draws, graph::Buf deformed) {
   ShadowMaps maps;
+  const MapDraws what{scene, plan, params.two_sided ? Sides::Both : Sides::AsMaterial, deformed};
   const uint32_t cascades = plan.sun.cascade_count;
   draws.resize(std::max(draws.size(), cascades + plan.tiles.size()));
   const uint32_t side = uint32_t(params.resolution), tile_side = uint32_t(params.tile_resolution);
@@ -224,15 +231,15 @@ ShadowMaps add_shadows(graph::Graph& graph, const ShadowPass& pass, const Shadow
     const vec3 eye = plan.sun.right * c.x + plan.sun.down * c.y +
                      plan.sun.direction * ((1 - plan.sun.depth_offset) / plan.sun.depth_scale);
     add_map(graph, pass, {"shadow.sun_opaque", "shadow.sun_masked", "shadow.sun_mapped"}, layer(maps.sun, uint8_t(i)),
-            clip_from_cascade(plan.sun, i), eye, plan, scene, draws[i], deformed);
+            clip_from_cascade(plan.sun, i), eye, what, draws[i]);
   }
   if (!plan.tiles.empty())
     maps.tiles =
         graph.image("shadow.tiles", {{tile_side, tile_side}, VK_FORMAT_D32_SFLOAT, 1, uint8_t(plan.tiles.size())});
   for (size_t i = 0; i < plan.tiles.size(); ++i)
     add_map(graph, pass, {"shadow.tile_opaque", "shadow.tile_masked", "shadow.tile_mapped"},
-            layer(maps.tiles, uint8_t(i)), clip_from_tile(plan.tiles[i]), plan.tiles[i].position, plan, scene,
-            draws[cascades + i], deformed);
+            layer(maps.tiles, uint8_t(i)), clip_from_tile(plan.tiles[i]), plan.tiles[i].position, what,
+            draws[cascades + i]);
   return maps;
 }
 

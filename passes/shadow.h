@@ -14,6 +14,8 @@ namespace nf::passes {
 
 #define NF_SHADOW_PARAMS(P)                                                                                      \
   P(Bool, enabled, 1, 0, 1, "", "Shadows of the sun (the first directional light) and of spot and point lights") \
+  P(Bool, two_sided, 1, 0, 1, "",                                                                                \
+    "Surfaces cast shadows from behind, too; off is faster, and the same where all solids are closed")           \
   P(Int, cascades, 3, 1, 4, "", "Maps of the sun, each over a larger part of the view")                          \
   P(Int, resolution, 1024, 16, 8192, "px", "Side of each of the sun's maps")                                     \
   P(Float, distance, 0.0f, 0.0f, 100000.0f, "m", "How far from the camera the sun casts shadows; 0: everywhere") \

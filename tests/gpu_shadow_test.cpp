@@ -177,6 +177,13 @@ TEST_F(Shadow, NoLightLeaksAtAWallsFoot) {
         });
       }
   EXPECT_GT(dark, 10000);
+  // The control: the wall is seen from behind, so that it casts no shadow unless both sides do.
+  settings.shadow.two_sided = 0;
+  auto layers = render();
+  each_pixel(layers, [&](ivec2, vec3 at, float light) {
+    if (at.y > 1e-3f || std::abs(at.x) > 0.8f || at.z < 0.1f) return;
+    EXPECT_GT(light, 0.5f);
+  });
 }
 
 // A sun of 2 degrees and an edge 2 m above the floor: the light grows over 2 m x the sun's width as the share of a disk
@@ -205,6 +212,33 @@ TEST_F(Shadow, ASunWithSizeHasAPenumbra) {
   });
   ASSERT_GT(count, 1000);
   std::printf("penumbra of %.3f m: mean error %+.4f, greatest %.3f\n", 2 * double(radius), error / count, worst);
+  EXPECT_NEAR(error / count, 0, 0.01);
+  EXPECT_LT(worst, 0.12);
+}
+
+// The same of a lamp: a ball of 0.1 m at 3 m, over an edge at 1 m, from behind which a floor point at x sees the part
+// of the lamp that lies beyond -2x.
+TEST_F(Shadow, ALampWithSizeHasAPenumbra) {
+  Builder b;
+  const auto white = b.material({.base_color = vec3(1)});
+  add_floor(b, 3, white);
+  b.quad({-1, 1, 1}, {0, 1, 1}, {0, 1, -1}, {-1, 1, -1}, white);
+  b.spot_light({0, 3, 0}, {0, -1, 0}, 9 * pi, 20, 25);
+  open(b, look({0, 0.9f, 0}, {0.001f, 0, 0}, 40, {0, 0, -1}), {128, 96});
+  scene.punctual[0].radius = 0.1f;
+  settings.shadow.samples = settings.shadow.search_samples = 16;
+  auto layers = render(16);
+  double error = 0, worst = 0, count = 0;
+  each_pixel(layers, [&](ivec2, vec3 at, float light) {
+    if (std::abs(at.x) > 0.15f || std::abs(at.z) > 0.15f) return;
+    const double t = std::clamp(double(2 * at.x / 0.1f), -1.0, 1.0);
+    const double full = 81 / std::pow(9 + double(at.x * at.x + at.z * at.z), 2);
+    const double off = double(light) / full - 0.5 - (t * std::sqrt(1 - t * t) + std::asin(t)) / double(pi);
+    error += off, count += 1;
+    worst = std::max(worst, std::abs(off));
+  });
+  ASSERT_GT(count, 1000);
+  std::printf("penumbra of 0.100 m: mean error %+.4f, greatest %.3f\n", error / count, worst);
   EXPECT_NEAR(error / count, 0, 0.01);
   EXPECT_LT(worst, 0.12);
 }
