@@ -63,8 +63,9 @@ TEST_F(CliReferenceTest, TheSameCommandGivesTheSameBytes) {
 TEST_F(CliReferenceTest, StopsAtAnErrorOrATime) {
   const Outcome error = reference({"--aov", "visibility,gi", "--until-error", "0.1", "--json", "-"});
   EXPECT_EQ(error.code, 0) << error.err;
-  ASSERT_FALSE(error.json()["noise"].empty());
-  for (const nlohmann::json& n : error.json()["noise"]) EXPECT_LE(n["relative"].get<double>(), 0.1);
+  const nlohmann::json document = error.json();
+  ASSERT_FALSE(document["noise"].empty());
+  for (const nlohmann::json& n : document["noise"]) EXPECT_LE(n["relative"].get<double>(), 0.1);
   EXPECT_LT(error.json()["spp"].get<int>(), 100000);
   const Outcome time = reference({"--seconds", "0.1", "--json", "-"});
   EXPECT_EQ(time.code, 0) << time.err;
@@ -78,7 +79,8 @@ TEST_F(CliReferenceTest, TheHalvesTellTheNoise) {
   EXPECT_EQ(written(), (std::set<std::string>{"r.exr", "r.a.exr", "r.b.exr"}));
   const Outcome between =
       run({"compare", out("r.a.exr"), out("r.b.exr"), "--layer", "visibility", "--metric", "rmse", "--json", "-"});
-  for (const nlohmann::json& n : o.json()["noise"]) {
+  const nlohmann::json document = o.json();
+  for (const nlohmann::json& n : document["noise"]) {
     if (n["layer"] != "visibility") continue;
     EXPECT_NEAR(between.json()["metrics"]["rmse"]["value"].get<double>() / 2, n["rmse"].get<double>(), 1e-6);
   }
