@@ -58,7 +58,6 @@ Renderer::~Renderer() {
 }
 
 void Renderer::update(const scene::Changes& changes) {
-  executor_->wait_for_side();
   tables_->update(changes);
 }
 
@@ -67,7 +66,6 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const F
   last_technique_ = settings.technique;
   const FrameBlock frame = make_frame_block(view, scene_, settings.material);
   graph.share(frame);
-  executor_->wait_for_side();
   tables_->build_draws(camera_draws_, scene::frustum_from_clip(frame.jittered_clip_from_world), view.camera.position);
   const ShadowPlan shadows = plan_shadows(view.camera, view.size, scene_, settings.shadow);
   lights_->update(scene_, view.camera, view.size, view.jitter, shadows, settings.lights);

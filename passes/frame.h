@@ -31,7 +31,7 @@ class Renderer {
   Renderer(gpu::Device& device, const scene::Scene& scene, const graph::ExecutorOptions& options = {});
   ~Renderer();
 
-  // After scene::animate() or update(): copies what changed. Waits for the frame before the last.
+  // After scene::animate() or update(), at most once a frame: copies what changed.
   void update(const scene::Changes& changes);
 
   // Adds all passes up to `lit`. The graph refers to this renderer's tables and must run before the next build(). With

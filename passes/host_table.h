@@ -1,10 +1,9 @@
-// A table that changes between frames: two host-visible copies, so that a frame in flight reads one while the other is
-// written (Executor::wait_for_side() comes first).
+// A table of which some rows change between frames: host-visible copies, so that frames in flight read some while
+// another is written.
 #pragma once
 
 #include <array>
 #include <cstring>
-#include <utility>
 #include <vector>
 
 #include "gpu/frame_ring.h"
@@ -18,36 +17,37 @@ class HostTable {
   // `row_of(i)` gives row i. An empty table has 16 bytes, so that it can be bound.
   template <class Row, class F>
   void create(gpu::Device& device, size_t count, F&& row_of, const char* name) {
-    for (gpu::Buffer& side : sides_)
-      side = gpu::create_buffer(device, std::max<VkDeviceSize>(count * sizeof(Row), 16),
-                                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Where::Host, name);
-    last_ = {{0, uint32_t(count)}};
-    update<Row>({}, row_of);
-    last_ = {{0, uint32_t(count)}};
+    for (Side& side : sides_)
+      side.buffer = gpu::create_buffer(device, std::max<VkDeviceSize>(count * sizeof(Row), 16),
+                                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Where::Host, name);
+    update<Row>({{0, uint32_t(count)}}, row_of);
   }
   void destroy(gpu::Device& device) {
-    for (gpu::Buffer& side : sides_) gpu::destroy(device, side);
+    for (Side& side : sides_) gpu::destroy(device, side.buffer);
   }
 
-  // Writes these rows, and those that only the other side has, and makes that side the current one.
+  // Brings the next side up to date and makes it the current one. At most once a frame.
   template <class Row, class F>
   void update(const std::vector<scene::RowRange>& changed, F&& row_of) {
-    if (changed.empty() && last_.empty()) return;
-    current_ = 1 - current_;
-    for (const std::vector<scene::RowRange>* ranges : {&std::as_const(last_), &changed})
-      for (const scene::RowRange& range : *ranges)
-        for (uint32_t i = range.first; i < range.first + range.count; ++i) {
-          const Row row = row_of(i);
-          std::memcpy(sides_[current_].mapped + size_t(i) * sizeof(Row), &row, sizeof row);
-        }
-    last_ = changed;
+    if (changed.empty()) return;
+    for (Side& side : sides_) side.missing.insert(side.missing.end(), changed.begin(), changed.end());
+    current_ = (current_ + 1) % sides_.size();
+    Side& side = sides_[current_];
+    for (const scene::RowRange& range : side.missing)
+      for (uint32_t i = range.first; i < range.first + range.count; ++i) {
+        const Row row = row_of(i);
+        std::memcpy(side.buffer.mapped + size_t(i) * sizeof(Row), &row, sizeof row);
+      }
+    side.missing.clear();
   }
-  const gpu::Buffer& current() const { return sides_[current_]; }
+  const gpu::Buffer& current() const { return sides_[current_].buffer; }
 
  private:
-  static_assert(gpu::FrameRing::size == 2);
-  std::array<gpu::Buffer, 2> sides_;
-  std::vector<scene::RowRange> last_;  // in the current side, not in the other
+  struct Side {
+    gpu::Buffer buffer;
+    std::vector<scene::RowRange> missing;  // rows that changed since it was written
+  };
+  std::array<Side, gpu::FrameRing::table_sides> sides_;
   size_t current_ = 0;
 };
 

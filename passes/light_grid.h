@@ -71,8 +71,7 @@ class FrameTable {
  private:
   gpu::Device& device_;
   const char* name_;
-  // One more than frames in flight: a frame's graph is built before the oldest of them is waited for.
-  std::array<gpu::Buffer, gpu::FrameRing::size + 1> buffers_;
+  std::array<gpu::Buffer, gpu::FrameRing::table_sides> buffers_;
   uint32_t next_ = 0;
 };
 

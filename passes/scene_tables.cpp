@@ -71,9 +71,6 @@ DrawClass draw_class_of(const scene::Material& m) {
   return m.alpha == scene::AlphaMode::Opaque ? DrawClass::Opaque : DrawClass::Masked;
 }
 
-// One more than frames in flight: a frame's lists are written before the oldest of them is waited for.
-constexpr uint32_t list_regions = gpu::FrameRing::size + 1;
-
 bool DrawList::has(DrawClass draw_class) const {
   return std::any_of(batches.begin(), batches.end(), [&](const Batch& b) { return b.draw_class == draw_class; });
 }
@@ -324,12 +321,12 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
   if (list.capacity < capacity) {
     device_.wait_idle();
     destroy(device_, list.commands);
-    list.commands =
-        gpu::create_buffer(device_, VkDeviceSize(capacity) * list_regions * sizeof(VkDrawIndexedIndirectCommand),
-                           VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, gpu::Where::Host, "scene.draws");
+    list.commands = gpu::create_buffer(
+        device_, VkDeviceSize(capacity) * gpu::FrameRing::table_sides * sizeof(VkDrawIndexedIndirectCommand),
+        VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, gpu::Where::Host, "scene.draws");
     list.capacity = capacity;
   }
-  list.region = (list.region + 1) % list_regions;
+  list.region = (list.region + 1) % gpu::FrameRing::table_sides;
   list.batches.clear();
   list.draws = uint32_t(keyed.size());
   const uint32_t base = list.region * list.capacity;

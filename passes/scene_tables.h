@@ -50,7 +50,7 @@ class SceneTables {
   void build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const;
   void destroy_list(DrawList& list) const;
 
-  // Copies what an update of the scene has changed. Executor::wait_for_side() comes first.
+  // Copies what an update of the scene has changed; at most once a frame.
   void update(const scene::Changes& changes);
 
   // Records the batches of one class. Without materials only positions are bound (depth of opaque surfaces).

@@ -72,9 +72,7 @@ void add_log_flags(CLI::App& app, CommonOptions& o) {
   app.add_option("--log-file", o.log_file, "Also write the log to this file")->type_name("FILE");
 }
 
-void add_render_flags(CLI::App& app, CommonOptions& o) {
-  app.add_option("--device", o.device, "Vulkan device: INDEX, part of its NAME, cpu or gpu (default: the fastest)")
-      ->envname("NEARFIELD_DEVICE");
+void add_picture_flags(CLI::App& app, CommonOptions& o) {
   app.add_option("--size", o.size, "Picture size in pixels")
       ->type_name("WxH")
       ->capture_default_str()
@@ -82,6 +80,19 @@ void add_render_flags(CLI::App& app, CommonOptions& o) {
   app.add_option("--view", o.view,
                  "Camera: a view FILE.json (camera and lights), a camera's NAME in the scene, or its INDEX")
       ->envname("NEARFIELD_VIEW");
+  app.add_option("--preset", o.preset, "JSON preset; flags win over it")
+      ->type_name("FILE")
+      ->envname("NEARFIELD_PRESET");
+  app.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->envname("NEARFIELD_SEED");
+  app.add_option("--progress", o.progress, "Progress on stderr")
+      ->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}))
+      ->capture_default_str();
+}
+
+void add_render_flags(CLI::App& app, CommonOptions& o) {
+  add_picture_flags(app, o);
+  app.add_option("--device", o.device, "Vulkan device: INDEX, part of its NAME, cpu or gpu (default: the fastest)")
+      ->envname("NEARFIELD_DEVICE");
   app.add_option("--technique", o.technique, "GI technique (`nearfield info --techniques`; default vbgi)")
       ->type_name("ID")
       ->envname("NEARFIELD_TECHNIQUE");
@@ -91,10 +102,6 @@ void add_render_flags(CLI::App& app, CommonOptions& o) {
   app.add_option("--set", o.sets, "Set a parameter, e.g. --set gi.radius=2 (repeatable; `nearfield info --params`)")
       ->type_name("ID=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--preset", o.preset, "JSON preset; flags win over it")
-      ->type_name("FILE")
-      ->envname("NEARFIELD_PRESET");
-  app.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->envname("NEARFIELD_SEED");
   app.add_option("--timing", o.timing,
                  "How passes are timed: serialize (exact, no overlap) or overlap (as the frame really runs)")
       ->check(CLI::IsMember({"serialize", "overlap"}))
@@ -103,9 +110,6 @@ void add_render_flags(CLI::App& app, CommonOptions& o) {
   app.add_option("--timeout", o.timeout, "Give up after this many seconds (exit code 6)")
       ->type_name("S")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--progress", o.progress, "Progress on stderr")
-      ->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}))
-      ->capture_default_str();
   app.add_flag("--validation", o.validation, "Vulkan validation, synchronization included; slow")
       ->envname("NEARFIELD_VALIDATION");
   app.add_flag("--no-alias", o.no_alias, "Give every transient image memory of its own");

@@ -33,7 +33,9 @@ struct Command {
   std::function<int()> run;
 };
 
-// Flags of every command that renders.
+// Flags of every command that makes a picture, on whatever device: size, view, preset, seed, progress.
+void add_picture_flags(CLI::App& app, CommonOptions& options);
+// Those, and the flags of every command that renders on a GPU.
 void add_render_flags(CLI::App& app, CommonOptions& options);
 // Flags of every command.
 void add_log_flags(CLI::App& app, CommonOptions& options);

@@ -142,25 +142,12 @@ void add_reference_flags(CLI::App& app, ReferenceOptions& o) {
   app.add_flag("--resume", o.resume, "Go on from FILE.exr.checkpoint where there is one, and keep it");
   app.add_option("--threads", o.threads, "Threads (0: all); the bytes do not depend on it")
       ->check(CLI::Range(0u, 256u));
-  app.add_option("--size", o.size, "Picture size in pixels")
-      ->type_name("WxH")
-      ->capture_default_str()
-      ->envname("NEARFIELD_SIZE");
-  app.add_option("--view", o.view,
-                 "Camera: a view FILE.json (camera and lights), a camera's NAME in the scene, or its INDEX")
-      ->envname("NEARFIELD_VIEW");
+  add_picture_flags(app, o);
   app.add_option("--set", o.sets, "Set a parameter; of use here: --set material.lambert=true")
       ->type_name("ID=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--preset", o.preset, "JSON preset; flags win over it")
-      ->type_name("FILE")
-      ->envname("NEARFIELD_PRESET");
-  app.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->envname("NEARFIELD_SEED");
   app.add_option("--precision", o.precision, "EXR channels")
       ->check(CLI::IsMember({"half", "float"}))
-      ->capture_default_str();
-  app.add_option("--progress", o.progress, "Progress on stderr")
-      ->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}))
       ->capture_default_str();
   app.add_option("--json", o.json_file, "Samples, time, noise and paths as one JSON document; - for stdout")
       ->type_name("FILE");

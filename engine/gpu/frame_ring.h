@@ -32,6 +32,9 @@ struct UniformRange {
 class FrameRing {
  public:
   static constexpr uint32_t size = 2;
+  // Copies of a host-visible table that a frame's graph is built with: begin() waits for the oldest frame only after
+  // that, so there is one more than frames in flight, and nobody else need wait.
+  static constexpr uint32_t table_sides = size + 1;
 
   explicit FrameRing(Device& device);
   ~FrameRing();
@@ -43,8 +46,6 @@ class FrameRing {
   Frame& begin(VkDeviceSize uniform_bytes, uint32_t timestamps);
   void submit(Frame& frame);
   void wait(const Frame& frame);
-  // For the last submission of the slot that begin() takes next.
-  void wait_next() { wait(frames_[next_]); }
   // How many frames were submitted, and how many of them are done.
   uint64_t submitted() const { return submitted_; }
   uint64_t finished() const;

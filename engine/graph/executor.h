@@ -67,10 +67,6 @@ class Executor {
   // Forget what was written: the next graph gets invalid histories.
   void invalidate_histories() { history_states_.clear(); }
 
-  // Waits until what the next run's frame in flight may still read can be written: call it before host-visible tables
-  // of two sides are changed.
-  void wait_for_side() { ring_.wait_next(); }
-
   // Plans (or takes a kept plan), records, submits. Throws nf::Error (Exit::Internal) with all diagnostics of a wrong
   // graph; the plans kept so far stay good. On a device with validation, and in debug builds, each new plan is replayed
   // by find_hazards() first.
