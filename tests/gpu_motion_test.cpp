@@ -15,11 +15,6 @@ using glm::vec3;
 
 class Motion : public GpuTest {
  protected:
-  static scene::Scene load_file(Gltf file) {
-    const Folder folder;
-    return scene::load_gltf(folder.write("moving.glb", file.glb()));
-  }
-
   struct Result {
     std::vector<float> velocity, depth, albedo;
     uint32_t channels = 0, albedo_channels = 0;
@@ -92,18 +87,18 @@ class Motion : public GpuTest {
 };
 
 TEST_F(Motion, SkinnedVerticesAreTheCpus) {
-  scene::Scene scene = load_file(arm_file());
+  scene::Scene scene = load_binary(arm_file());
   expect_deformed(scene, move(scene, look({0.5f, 1, 4}, {0.5f, 1, 0}, 60), {64, 64}, 0.3, 0.35));
 }
 
 TEST_F(Motion, MorphedVerticesAreTheCpus) {
-  scene::Scene scene = load_file(morph_file());
+  scene::Scene scene = load_binary(morph_file());
   expect_deformed(scene, move(scene, look({0.5f, 1, 4}, {0.5f, 1, 0}, 60), {64, 64}, 0.3, 0.5));
 }
 
 // A point of the arm's upper half, inside a triangle: its motion is that of the vertices' mean with the same weights.
 TEST_F(Motion, VelocityOfASkinnedPoint) {
-  scene::Scene scene = load_file(arm_file());
+  scene::Scene scene = load_binary(arm_file());
   const scene::Camera camera = look({0.5f, 1, 4}, {0.5f, 1, 0}, 60);
   const glm::uvec2 size(256, 256);
   const Result result = move(scene, camera, size, 0.3, 0.32);

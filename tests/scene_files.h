@@ -194,6 +194,16 @@ inline void add_picture(Gltf& file, const json& image) {
   file.add("textures", {{"source", 0}});
   file.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
 }
+// Through a file of its own: text with its buffer inside, or binary.
+inline scene::Scene load(Gltf file) {
+  const Folder folder;
+  return scene::load_gltf(folder.write("scene.gltf", file.text()));
+}
+inline scene::Scene load_binary(Gltf file) {
+  const Folder folder;
+  return scene::load_gltf(folder.write("scene.glb", file.glb()));
+}
+
 // What loading `file` says; empty when it loads. Checks the form every message has.
 inline std::string load_error(const std::filesystem::path& file) {
   try {

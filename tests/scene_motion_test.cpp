@@ -16,13 +16,9 @@ using nf::test::f32;
 using nf::test::Folder;
 using nf::test::Gltf;
 using nf::test::json;
+using nf::test::load_binary;
 
 constexpr float pi = 3.14159265f;
-
-Scene load(Gltf file) {
-  const Folder folder;
-  return load_gltf(folder.write("scene.glb", file.glb()));
-}
 
 #define EXPECT_NEAR_VEC(a, b)               \
   EXPECT_LT(glm::distance((a), (b)), 1e-5f) \
@@ -38,7 +34,7 @@ vec3 arm_vertex(size_t i, float angle) {
 }
 
 TEST(Skin, MovesVerticesByTheirJoints) {
-  Scene scene = load(test::arm_file());
+  Scene scene = load_binary(test::arm_file());
   ASSERT_EQ(scene.skins.size(), 1u);
   ASSERT_EQ(scene.instances.skin[0], 0u);
   for (const float time : {0.f, 0.25f, 0.5f, 0.99f}) {
@@ -54,7 +50,7 @@ TEST(Skin, MovesVerticesByTheirJoints) {
 }
 
 TEST(Skin, VelocityIsTheDifferenceOfTwoPoses) {
-  Scene scene = load(test::arm_file());
+  Scene scene = load_binary(test::arm_file());
   animate(scene, 0.2);
   animate(scene, 0.6);
   for (uint32_t i = 0; i < 6; ++i) {
@@ -77,7 +73,7 @@ TEST(Skin, KeepsTheFourStrongestInfluences) {
   attributes["WEIGHTS_0"] = file.attribute(weights, f32, "VEC4", 6);
   attributes["JOINTS_1"] = test::plain_accessor(file, more_joints, test::u8, "VEC4", 6);
   attributes["WEIGHTS_1"] = file.attribute(more, f32, "VEC4", 6);
-  const Scene scene = load(file);
+  const Scene scene = load_binary(file);
   const uint32_t row = scene.primitives[0].first_influence + 5;
   EXPECT_NEAR_VEC(scene.influences.weight[row], vec4(0.375f, 0.375f, 0.125f, 0.125f));
   EXPECT_EQ(scene.influences.joint[row], glm::u16vec4(0, 1, 0, 0));
@@ -92,12 +88,12 @@ TEST(Skin, RefusesJointsBeyondTheSkin) {
   Gltf outside = test::arm_file();
   outside.doc["skins"][0]["joints"] = {1, outside.add("nodes", json::object())};
   outside.doc["animations"].clear();
-  const Scene scene = load(outside);
+  const Scene scene = load_binary(outside);
   EXPECT_EQ(scene.instances.skin[0], none);
 }
 
 TEST(Morph, AddsWeightedTargets) {
-  Scene scene = load(test::morph_file());
+  Scene scene = load_binary(test::morph_file());
   ASSERT_EQ(scene.primitives[0].target_count, 2u);
   EXPECT_EQ(scene.morph_weights.value, (std::vector<float>{0.5f, 0}));
   EXPECT_NEAR_VEC(deformed_position(scene, 0, 2, Moment::Now), vec3(1, 2, 0));
@@ -116,7 +112,7 @@ TEST(Morph, AddsWeightedTargets) {
 
   Gltf own = test::morph_file();
   own.doc["nodes"][0]["weights"] = {-1, 0};
-  EXPECT_NEAR_VEC(deformed_position(load(own), 0, 2, Moment::Now), vec3(1, -1, 0));
+  EXPECT_NEAR_VEC(deformed_position(load_binary(own), 0, 2, Moment::Now), vec3(1, -1, 0));
 }
 
 // Skin and morph together, in random poses: the box holds every vertex and is not absurdly large.
@@ -129,7 +125,7 @@ TEST(Deform, BoundsHoldEveryVertex) {
       deltas[i] = vec3(std::sin(float(i + size_t(target))), 0.3f * float(i), float(target) - 1);
     test::quad_primitive(file)["targets"].push_back({{"POSITION", file.positions(deltas)}});
   }
-  Scene scene = load(file);
+  Scene scene = load_binary(file);
   std::mt19937 random(11);
   std::uniform_real_distribution<float> value(-1.5f, 1.5f);
   for (int pose = 0; pose < 200; ++pose) {
@@ -156,7 +152,7 @@ Scene clip_scene(const char* path, const std::vector<float>& times, const std::v
   Gltf file = test::make_quad();
   file.doc["nodes"][0]["translation"] = {7, 0, 0};
   test::add_clip(file, 0, path, times, values, type, count, interpolation);
-  return load(file);
+  return load_binary(file);
 }
 
 TEST(Animation, StepHoldsAndLinearRuns) {
@@ -219,7 +215,7 @@ TEST(Animation, QuantizedRotations) {
   json samplers = json::array({{{"input", input}, {"output", output}}});
   json channels = json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", "rotation"}}}}});
   file.add("animations", {{"samplers", samplers}, {"channels", channels}});
-  Scene scene = load(file);
+  Scene scene = load_binary(file);
   animate(scene, 0.5);
   EXPECT_LT(glm::distance(vec3(scene.nodes.world[0] * vec4(1, 0, 0, 0)), vec3(test::half_root, 0, -test::half_root)),
             1e-4f);
@@ -231,7 +227,7 @@ TEST(Animation, ClipsPlayTogetherUnlessStopped) {
   test::add_clip(file, 0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0}, "VEC3", 2);
   test::add_clip(file, 0, "scale", {0, 2}, {1, 1, 1, 3, 3, 3}, "VEC3", 2);
   test::add_clip(file, 0, "translation", {0, 1}, {0, 0, 0, 0, 1, 0}, "VEC3", 2);
-  Scene scene = load(file);
+  Scene scene = load_binary(file);
   ASSERT_EQ(scene.animations.clips.size(), 3u);
   animate(scene, 0.5);
   EXPECT_NEAR_VEC(scene.nodes.translation[0], vec3(0, 0.5f, 0));
@@ -288,7 +284,7 @@ TEST(Update, LightsAndCamerasFollowTheirNodes) {
   file.add("nodes", {{"camera", 0}, {"translation", {0, 0, 2}}});
   const float half = test::half_root;
   test::add_clip(file, carrier, "rotation", {0, 1}, {0, 0, 0, 1, half, 0, 0, half}, "VEC4", 2);
-  Scene scene = load(file);
+  Scene scene = load_binary(file);
   EXPECT_FLOAT_EQ(scene.punctual[1].outer_cone, pi / 4);
   animate(scene, 0);
   const Changes changes = animate(scene, 1 - 1e-9);  // a quarter turn about x: y to z, z to -y
@@ -317,7 +313,7 @@ Scene chain_scene() {
       if (i == 0) file.doc["scenes"][0]["nodes"].push_back(row);
     }
   }
-  return load(file);
+  return load_binary(file);
 }
 
 void move(Scene& scene, uint32_t node, vec3 translation) {

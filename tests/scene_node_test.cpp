@@ -12,19 +12,14 @@ namespace {
 using namespace nf;
 using namespace nf::scene;
 using nf::test::f32;
-using nf::test::Folder;
 using nf::test::Gltf;
 using nf::test::json;
+using nf::test::load;
 using nf::test::u16;
 using nf::test::u32;
 using nf::test::u8;
 
 constexpr float pi = 3.14159265f;
-
-Scene load(Gltf& file) {
-  const Folder folder;
-  return load_gltf(folder.write("scene.gltf", file.text()));
-}
 
 #define EXPECT_NEAR_VEC(a, b) EXPECT_LT(glm::distance((a), (b)), 1e-5f) << (a).x << " " << (a).y << " " << (a).z
 

@@ -14,13 +14,9 @@ using nf::test::Folder;
 using nf::test::Gltf;
 using nf::test::Grid;
 using nf::test::json;
+using nf::test::load_binary;
 
 constexpr int i8 = 5120, i16 = 5122;
-
-Scene load(Gltf& file) {
-  const Folder folder;
-  return load_gltf(folder.write("scene.glb", file.glb()));
-}
 
 void expect_grid(const Scene& scene, const Grid& grid, float tolerance) {
   ASSERT_EQ(scene.geometry.index.size(), grid.index.size());
@@ -51,7 +47,7 @@ TEST(Packed, MeshoptBuffersAndFallback) {
   const Grid grid = test::make_grid(9);
   for (const bool sequence : {false, true}) {
     Gltf file = test::meshopt_file(grid, sequence);
-    const Scene scene = load(file);
+    const Scene scene = load_binary(file);
     expect_grid(scene, grid, 0);
     EXPECT_EQ(scene.geometry.position, grid.position);
     if (sequence) {
@@ -80,7 +76,7 @@ TEST(Packed, MeshoptFilters) {
   file.doc["accessors"][1]["normalized"] = true;
   test::add_fallback_buffer(file, 100000);
   file.doc["extensionsUsed"].push_back("KHR_mesh_quantization");
-  const Scene scene = load(file);
+  const Scene scene = load_binary(file);
   ASSERT_EQ(scene.geometry.normal.size(), count);
   for (size_t i = 0; i < count; ++i) {
     EXPECT_GT(glm::dot(scene.geometry.normal[i], vec3(normals[i])), 0.999f);
@@ -92,7 +88,7 @@ TEST(Packed, DracoMeshes) {
   const Grid grid = test::make_grid(9);
   for (const int method : {int(draco::MESH_SEQUENTIAL_ENCODING), int(draco::MESH_EDGEBREAKER_ENCODING)}) {
     Gltf file = test::draco_file(grid, method);
-    expect_grid(load(file), grid, 0.004f);
+    expect_grid(load_binary(file), grid, 0.004f);
   }
 }
 
@@ -147,7 +143,7 @@ TEST(Packed, QuantizedAttributes) {
   const Folder folder;
   EXPECT_NE(test::load_error(folder.write("a.glb", file.glb())).find("component type i16"), std::string::npos);
   file.doc["extensionsUsed"] = file.doc["extensionsRequired"] = {"KHR_mesh_quantization"};
-  const Scene scene = load(file);
+  const Scene scene = load_binary(file);
   EXPECT_EQ(scene.geometry.position[2], vec3(100, 100, -7));
   EXPECT_EQ(scene.geometry.normal[0], vec3(0, 0, 1));
   EXPECT_EQ(scene.geometry.normal[1], vec3(0, 0, -1));

@@ -13,11 +13,7 @@ using nf::test::f32;
 using nf::test::Folder;
 using nf::test::Gltf;
 using nf::test::json;
-
-Scene load(Gltf& file) {
-  const Folder folder;
-  return load_gltf(folder.write("scene.gltf", file.text()));
-}
+using nf::test::load;
 
 #define EXPECT_NEAR_VEC(a, b) EXPECT_LT(glm::distance((a), (b)), 1e-5f) << (a).x << " " << (a).y
 
