@@ -1,7 +1,20 @@
-// Sampling noise per pixel and frame: one Kronecker sequence along a Hilbert curve in space, another over the frames (Roberts
-// 2018, generalised golden ratios). Integer arithmetic, so the same on every device. Compiles as GLSL and C++.
+// Sampling noise per pixel and frame. A kind of noise is a pattern of three numbers per pixel, and every frame turns all
+// pixels by the same step (Roberts 2018, generalised golden ratios), so that the mean over frames converges whatever the kind.
+// Integer arithmetic, so the same on every device. Compiles as GLSL and C++; shaders choose the kind by defining NOISE_KIND, and
+// include common/noise_table.glsl first.
 #ifndef NF_COMMON_NOISE_GLSL
 #define NF_COMMON_NOISE_GLSL
+
+// As the names of gi.noise.
+#define NOISE_HILBERT_R2 0
+#define NOISE_IGN 1
+#define NOISE_4X4 2
+#define NOISE_BLUE 3
+#define NOISE_STBN 4
+#define NOISE_WHITE 5
+#ifndef NOISE_KIND
+#define NOISE_KIND NOISE_HILBERT_R2
+#endif
 
 const float GOLDEN = 0.618033988749895f;
 
@@ -33,16 +46,82 @@ uint hash_uint(uint x) {
 
 float unit_float(uint bits) { return float(bits >> 8) * (1.0f / 16777216.0f); }
 
-// x: rotation of the slices, y: step jitter, z: sector jitter; each uniform in [0, 1), independent of the others.
-// In space the multipliers are 2^32 / g^i with g^4 = g + 1 (R3). In time they are others, so that frames do not merely move
-// the pattern along the curve: the golden ratio, best in one dimension, for the slices, R2 for the other two. Of ten such
-// pairs this did best over 4 to 64 frames, blocks of 2 to 8 pixels, and both together (white noise: 1.5 to 3 times its error).
-vec3 sampling_noise(ivec2 pixel, uint frame_index, uint seed) {
+// The pattern x, y, z (units of 2^-32) after so many turns: the golden ratio, best in one dimension, for the slices, R2 for the
+// other two. Of ten such choices with the Hilbert pattern this did best over 4 to 64 frames, blocks of 2 to 8 pixels, and both
+// together (white noise: 1.5 to 3 times its error).
+vec3 turned(uint x, uint y, uint z, uint turns, uint seed) {
+  return vec3(unit_float(x + turns * 2654435769u + hash_uint(seed)),
+              unit_float(y + turns * 2447445413u + hash_uint(seed + 0x9E3779B9u)),
+              unit_float(z + turns * 3242174889u + hash_uint(seed + 0x3C6EF372u)));
+}
+
+// A Kronecker sequence along a Hilbert curve: 2^32 / g^i with g^4 = g + 1 (R3).
+vec3 noise_hilbert_r2(ivec2 pixel, uint frame_index, uint seed) {
   uint h = hilbert_index(uint(pixel.x), uint(pixel.y));
-  uint x = h * 3518319155u + frame_index * 2654435769u + hash_uint(seed);
-  uint y = h * 2360945575u + frame_index * 2447445413u + hash_uint(seed + 0x9E3779B9u);
-  uint z = h * 2882110345u + frame_index * 3242174889u + hash_uint(seed + 0x3C6EF372u);
-  return vec3(unit_float(x), unit_float(y), unit_float(z));
+  return turned(h * 3518319155u, h * 2360945575u, h * 2882110345u, frame_index, seed);
+}
+
+// Interleaved gradient noise (Jimenez 2014): fract(52.9829189 fract(0.06711056 x + 0.00583715 y)) in fixed point.
+uint interleaved_gradient(uint x, uint y) { return ((x * 288237660u + y * 25070368u) >> 12) * 217018u; }
+
+// Mirrored and transposed for the other two: a shifted gradient would only be a turned one.
+vec3 noise_ign(ivec2 pixel, uint frame_index, uint seed) {
+  uint x = uint(pixel.x);
+  uint y = uint(pixel.y);
+  return turned(interleaved_gradient(x, y), interleaved_gradient(y, x), interleaved_gradient(~x, y), frame_index, seed);
+}
+
+// Bayer's order of 4 x 4 pixels, through the first three dimensions of a (0, 4, 3)-net: any two are stratified over the 16.
+vec3 noise_4x4(ivec2 pixel, uint frame_index, uint seed) {
+  uint x = uint(pixel.x);
+  uint y = uint(pixel.y);
+  uint differ = x ^ y;
+  uint i = ((differ & 1u) << 3) | ((y & 1u) << 2) | (differ & 2u) | ((y >> 1) & 1u);
+  uint sobol = ((i & 1u) * 0x80000000u) ^ (((i >> 1) & 1u) * 0xC0000000u) ^ (((i >> 2) & 1u) * 0xA0000000u) ^
+               ((i >> 3) * 0xF0000000u);
+  uint middle = 1u << 27;
+  return turned((i << 28) + middle, uint(bitfieldReverse(i)) + middle, sobol + middle, frame_index, seed);
+}
+
+vec3 noise_white(ivec2 pixel, uint frame_index, uint seed) {
+  uint x = hash_uint(uint(pixel.x) + hash_uint(uint(pixel.y) + hash_uint(frame_index + hash_uint(seed))));
+  uint y = hash_uint(x ^ 0x9E3779B9u);
+  return vec3(unit_float(x), unit_float(y), unit_float(hash_uint(y ^ 0x3C6EF372u)));
+}
+
+// --- noise from a table (passes/noise.h): 64 x 64 texels of blue noise, below it 16 frames of spatio-temporal blue noise ---
+
+const uint NOISE_FRAMES = 16u;
+
+ivec2 blue_texel(ivec2 pixel) { return ivec2(pixel.x & 63, pixel.y & 63); }
+ivec2 stbn_texel(ivec2 pixel, uint frame_index) {
+  return ivec2(pixel.x & 63, (pixel.y & 63) + 64 * (1 + int(frame_index % NOISE_FRAMES)));
+}
+
+// Three numbers of 10 bits.
+vec3 table_noise(uint texel, uint turns, uint seed) {
+  uint middle = 1u << 21;
+  return turned((texel << 22) + middle, ((texel >> 10) << 22) + middle, ((texel >> 20) << 22) + middle, turns, seed);
+}
+vec3 noise_blue(uint texel, uint frame_index, uint seed) { return table_noise(texel, frame_index, seed); }
+// The table has the frames; only whole runs through it are turned.
+vec3 noise_stbn(uint texel, uint frame_index, uint seed) { return table_noise(texel, frame_index / NOISE_FRAMES, seed); }
+
+// x: rotation of the slices, y: step jitter, z: sector jitter; each uniform in [0, 1), independent of the others.
+vec3 sampling_noise(ivec2 pixel, uint frame_index, uint seed) {
+#if NOISE_KIND == NOISE_HILBERT_R2
+  return noise_hilbert_r2(pixel, frame_index, seed);
+#elif NOISE_KIND == NOISE_IGN
+  return noise_ign(pixel, frame_index, seed);
+#elif NOISE_KIND == NOISE_4X4
+  return noise_4x4(pixel, frame_index, seed);
+#elif NOISE_KIND == NOISE_BLUE
+  return noise_blue(FETCH_NOISE(blue_texel(pixel)), frame_index, seed);
+#elif NOISE_KIND == NOISE_STBN
+  return noise_stbn(FETCH_NOISE(stbn_texel(pixel, frame_index)), frame_index, seed);
+#else
+  return noise_white(pixel, frame_index, seed);
+#endif
 }
 
 // A number of its own for every step of every march; a march is one side of one slice.
