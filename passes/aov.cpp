@@ -17,7 +17,7 @@ const Aov table[] = {
     {"gi", "RGB", "Irradiance / pi of bounced and emitted light, after reconstruction", four, "AOV_COPY"},
     {"gi_raw", "RGB", "The same before reconstruction", four, "AOV_COPY"},
     {"visibility", "V", "Cosine-weighted visibility, 1 = open", one, "AOV_COPY"},
-    {"bent", "XYZ", "Mean unoccluded direction, world space", four, "AOV_COPY"},
+    {"bent", "XYZ", "Mean unoccluded direction, world space", four, "AOV_BENT"},
     {"albedo", "RGB", "Base colour", four, "AOV_ALBEDO"},
     {"normal", "XYZ", "World-space normal", four, "AOV_NORMAL"},
     {"depth", "V", "Metres along the view axis, 0 = background", one, "AOV_DEPTH"},
@@ -60,7 +60,7 @@ AovPass create_aovs(gpu::Pipelines& pipelines, bool environment_map) {
   for (const Aov& aov : table) {
     const bool ambient = std::string_view(aov.name) == "ambient";
     pass.pipelines.push_back(ambient ? gpu::Pipeline{} : pipelines.fullscreen("aov.frag", {{aov.define, "1"}}));
-    for (int variant = 0; ambient && variant < 3; ++variant) {
+    for (int variant = 0; ambient && variant < ambient_variants; ++variant) {
       gpu::Defines defines = ambient_defines(variant, environment_map);
       defines.emplace_back(aov.define, "1");
       pass.ambient[variant] = pipelines.fullscreen("aov.frag", defines);
@@ -80,10 +80,16 @@ graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, con
   const graph::Tex image = graph.image(resource, {o.gbuffer.size, aov.format});
   auto builder = graph.fullscreen(resource, pipeline, aov.help);
   // The shader's variant says what it reads.
-  const std::pair<const char*, graph::Tex> inputs[] = {
-      {"source", source},           {"source2", o.direct.specular},  {"depth", o.gbuffer.depth},
-      {"normal", o.gbuffer.normal}, {"radiance", o.direct.radiance}, {"visibility", o.gi.visibility},
-      {"bent", o.gi.bent},          {"albedo", o.gbuffer.albedo},    {"material", o.gbuffer.material}};
+  const std::pair<const char*, graph::Tex> inputs[] = {{"source", source},
+                                                       {"source2", o.direct.specular},
+                                                       {"depth", o.gbuffer.depth},
+                                                       {"normal", o.gbuffer.normal},
+                                                       {"radiance", o.direct.radiance},
+                                                       {"visibility", o.gi.visibility},
+                                                       {"bent", o.gi.bent},
+                                                       {"ambient", o.gi.ambient},
+                                                       {"albedo", o.gbuffer.albedo},
+                                                       {"material", o.gbuffer.material}};
   for (const auto& [slot, tex] : inputs)
     if (interface.find(slot)) builder.in(slot, tex);
   if (interface.find("reflectance"))

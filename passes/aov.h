@@ -29,8 +29,8 @@ std::span<const Aov> aovs();
 const Aov& find_aov(std::string_view name);
 
 struct AovPass {
-  std::vector<gpu::Pipeline> pipelines;  // by row of aovs()
-  gpu::Pipeline ambient[3];              // by ambient_variant(), instead of the row
+  std::vector<gpu::Pipeline> pipelines;     // by row of aovs()
+  gpu::Pipeline ambient[ambient_variants];  // by ambient_variant(), instead of the row
 };
 AovPass create_aovs(gpu::Pipelines& pipelines, bool environment_map);
 

@@ -16,6 +16,12 @@ std::vector<ParamBlock> FrameSettings::blocks() {
   return all;
 }
 
+void set_paper_mode(FrameSettings& settings) {
+  if (settings.technique->paper_mode.empty())
+    fail(Exit::Usage, "{} has no paper mode: leave --mode away or use --mode radiometric", settings.technique->id);
+  for (const char* assignment : settings.technique->paper_mode) params::assign(settings.blocks(), assignment);
+}
+
 std::vector<const ParamTable*> inner_tables() {
   return {&FrameBlock::table(),     &AccumulateBlock::table(),  &SunBlock::table(),   &ShadowViewBlock::table(),
           &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table()};
@@ -43,7 +49,7 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::
   shadow_ = create_shadow(*pipelines_, *tables_);
   environment_ = create_environment(device, scene.environment);
   lighting_ = create_lighting(*pipelines_, environment_.any());
-  gi_ = create_gi(*pipelines_);
+  gi_ = std::make_unique<GiPipelines>(*pipelines_);
   aovs_ = create_aovs(*pipelines_, environment_.any());
   accumulate_ = create_accumulate(*pipelines_);
   for (const Aov& aov : aovs()) mean_names_.push_back(fmt::format("{}.mean", *aov.name ? aov.name : "final"));
@@ -75,7 +81,7 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const F
   out.gbuffer = add_gbuffer(graph, gbuffer_, {view.size.x, view.size.y}, *tables_, camera_draws_, deformed);
   const ShadowMaps maps = add_shadows(graph, shadow_, settings.shadow, shadows, *tables_, shadow_draws_, deformed);
   out.direct = add_direct(graph, lighting_, out.gbuffer, shadows, maps, *lights_, {settings.shadow, settings.lights});
-  out.gi = settings.technique->add(graph, gi_, out.gbuffer, out.direct, settings.gi);
+  out.gi = settings.technique->add(graph, *gi_, {out.gbuffer, out.direct, environment_}, settings.gi);
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_, environment_);
   // What a frame offers. Whoever runs it reads what he wants to see.
   for (const graph::Tex offered :

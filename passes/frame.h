@@ -25,6 +25,9 @@ struct FrameSettings {
   std::vector<ParamBlock> blocks();
 };
 
+// Applies the technique's paper form to the parameters. Throws nf::Error (Exit::Usage) when it has none.
+void set_paper_mode(FrameSettings& settings);
+
 // Device, pipelines, scene tables and executor of one view.
 class Renderer {
  public:
@@ -60,7 +63,7 @@ class Renderer {
   GBufferPass gbuffer_;
   ShadowPass shadow_;
   LightingPass lighting_;
-  GiPipelines gi_;
+  std::unique_ptr<GiPipelines> gi_;
   AovPass aovs_;
   AccumulatePass accumulate_;
   gpu::Device& device_;

@@ -8,12 +8,13 @@ gpu::Defines ambient_defines(int variant, bool environment_map) {
   if (variant > 0) defines.emplace_back("HAS_VISIBILITY", "1");
   if (environment_map) defines.emplace_back("ENVIRONMENT_MAP", "1");
   // From all sides the same light: which side is open does not matter.
-  if (environment_map && variant > 1) defines.emplace_back("HAS_BENT", "1");
+  if (environment_map && variant == 2) defines.emplace_back("HAS_BENT", "1");
+  if (environment_map && variant == 3) defines.emplace_back("HAS_AMBIENT", "1");
   return defines;
 }
 
 int ambient_variant(const GiResult& gi) {
-  return !gi.visibility ? 0 : gi.bent ? 2 : 1;
+  return !gi.visibility ? 0 : gi.ambient ? 3 : gi.bent ? 2 : 1;
 }
 
 LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
@@ -28,7 +29,7 @@ LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
         pass.direct[sun][tiles][grid] = pipelines.fullscreen("direct.frag", defines);
       }
   for (int gi = 0; gi < 2; ++gi)
-    for (int open = 0; open < 3; ++open) {
+    for (int open = 0; open < ambient_variants; ++open) {
       gpu::Defines defines = ambient_defines(open, environment_map);
       if (gi) defines.emplace_back("HAS_GI", "1");
       pass.composite[gi][open] = pipelines.fullscreen("composite.frag", defines);
@@ -82,6 +83,7 @@ graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GB
   if (gi.gi) builder.in("gi", gi.gi);
   if (gi.visibility) builder.in("visibility", gi.visibility);
   if (pipeline.interface->find("bent")) builder.in("bent", gi.bent);
+  if (pipeline.interface->find("ambient")) builder.in("ambient", gi.ambient);
   feed_environment(graph, builder, *pipeline.interface, environment);
   return lit;
 }

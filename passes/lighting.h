@@ -19,14 +19,15 @@ struct Radiance {
   P(Choice, curve, 0, 0, 1, "aces|clamp", "Tone curve: a fit of ACES, or plain clamping")
 NF_DECLARE_PARAMS(TonemapParams, "tonemap", NF_TONEMAP_PARAMS)
 
-// What a shader with common/ambient.glsl is told of the technique's visibility: nothing (0), visibility (1), and bent
-// normals too (2).
+// What a shader with common/ambient.glsl has of the technique: nothing (0), visibility (1), and bent normals (2) or the
+// environment's light (3) too.
+constexpr int ambient_variants = 4;
 gpu::Defines ambient_defines(int variant, bool environment_map);
 int ambient_variant(const GiResult& gi);
 
 struct LightingPass {
-  gpu::Pipeline direct[2][2][2];  // [sun is shadowed][tiles][grid]
-  gpu::Pipeline composite[2][3];  // [has gi][nothing, visibility, bent normals too]
+  gpu::Pipeline direct[2][2][2];                 // [sun is shadowed][tiles][grid]
+  gpu::Pipeline composite[2][ambient_variants];  // [has gi]
   gpu::Pipeline tonemap;
 };
 // `environment_map`: the environment is not constant.

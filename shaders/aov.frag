@@ -16,8 +16,6 @@ uniform texture2D albedo;
 uniform texture2D material;
 uniform texture2D source;   // AOV_COPY: whatever is shown as it is
 uniform texture2D source2;
-uniform texture2D visibility;
-uniform texture2D bent;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -34,6 +32,9 @@ void main() {
 #ifdef AOV_POSITION
   float z = FETCH(depth, pixel);
   if (z > 0.0) value.xyz = (frame.world_from_view * vec4(view_position(vec2(pixel) + 0.5, z, frame.ray_scale, frame.ray_offset), 1.0)).xyz;
+#endif
+#ifdef AOV_BENT
+  value.xyz = mat3(frame.world_from_view) * texelFetch(source, pixel, 0).xyz;
 #endif
 #ifdef AOV_NORMAL
   if (FETCH(depth, pixel) > 0.0) value.xyz = normalize(mat3(frame.world_from_view) * unpack_normal(FETCH(normal, pixel)));
@@ -52,17 +53,7 @@ void main() {
     value.rgb = diffuse_reflectance(s, material_texel.b) * texelFetch(source, pixel, 0).rgb;  // gi
 #else
     vec3 to_eye = -normalize(view_ray(vec2(pixel) + 0.5, frame.ray_scale, frame.ray_offset));
-    vec3 n = unpack_normal(FETCH(normal, pixel));
-    vec3 direction = n;
-    float open = 1.0;
-#ifdef HAS_VISIBILITY
-    open = texelFetch(visibility, pixel, 0).x;
-#endif
-#ifdef HAS_BENT
-    direction = bent_normal(texelFetch(bent, pixel, 0).xyz, n);
-#endif
-    open *= material_texel.a;  // the material's own occlusion
-    value.rgb = ambient_out(s, material_texel.b, n, to_eye, open, direction);
+    value.rgb = ambient_out(pixel, s, material_texel.b, material_texel.a, unpack_normal(FETCH(normal, pixel)), to_eye);
 #endif
   }
 #endif

@@ -17,12 +17,6 @@ uniform texture2D direct_specular;
 #ifdef HAS_GI
 uniform texture2D gi;
 #endif
-#ifdef HAS_VISIBILITY
-uniform texture2D visibility;
-#endif
-#ifdef HAS_BENT
-uniform texture2D bent;
-#endif
 
 layout(location = 0) out vec4 lit;
 
@@ -39,19 +33,9 @@ void main() {
   }
   vec4 material_texel = texelFetch(material, pixel, 0);
   Surface s = unpack_surface(texelFetch(albedo, pixel, 0), material_texel);
-  float open = 1.0;
-#ifdef HAS_VISIBILITY
-  open = texelFetch(visibility, pixel, 0).x;
-#endif
-  open *= material_texel.a;  // the material's own occlusion
-  vec3 n = unpack_normal(FETCH(normal, pixel));
-  vec3 direction = n;
-#ifdef HAS_BENT
-  direction = bent_normal(texelFetch(bent, pixel, 0).xyz, n);
-#endif
   lit = vec4(0.0, 0.0, 0.0, 1.0);
   lit.rgb = texelFetch(direct_diffuse, pixel, 0).rgb + texelFetch(direct_specular, pixel, 0).rgb + texelFetch(emissive, pixel, 0).rgb +
-            ambient_out(s, material_texel.b, n, -ray, open, direction);
+            ambient_out(pixel, s, material_texel.b, material_texel.a, unpack_normal(FETCH(normal, pixel)), -ray);
 #ifdef HAS_GI
   lit.rgb += diffuse_reflectance(s, material_texel.b) * texelFetch(gi, pixel, 0).rgb;
 #endif

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "vbgi_twin.h"
+#include "slice_twin.h"
 
 namespace {
 
@@ -31,11 +31,11 @@ TEST(Estimator, OpenPlaneReadsOneEverywhere) {
     Bed bed{{{floor_quad(vec3(1))}, {}, {}},
             {{0, 1.7, 0}, {0, 1.7 + std::sin(pitch * kDegree), -std::cos(pitch * kDegree)}}};
     use(bed);
-    for (int measure : {twin::MEASURE_SCREEN_J, twin::MEASURE_VIEW}) {
+    for (int measure : {twin::SLICES_SCREEN_J, twin::SLICES_VIEW}) {
       for (unsigned infinite : {0u, 1u}) {
         twin::Params params = thorough(64, 16);
         params.slice_measure = measure;
-        params.infinite_thickness = infinite;
+        params.thickness_mode = infinite ? twin::THICKNESS_INFINITE : twin::THICKNESS_CONSTANT;
         for_grid(bed.camera.size, [&](ivec2 p) {
           twin::Estimate seen = mean(p, params, 1);
           EXPECT_NEAR(seen.visibility, 1, 2e-3) << pitch << " at " << p.x << " " << p.y;
@@ -61,7 +61,7 @@ TEST(Estimator, ScreenMeasureReadsWhatOthersRead) {
   Bed bed{{{floor_quad()}, {}, {}}, {{0, 1.7, 0}, {0, 1.7, -1}}};
   use(bed);
   twin::Params params = thorough(256, 4);
-  params.slice_measure = twin::MEASURE_SCREEN;
+  params.slice_measure = twin::SLICES_SCREEN;
   ivec2 pixel = bed.camera.texel_of({0, 0, -1.7 / std::tan(30 * kDegree)});
   EXPECT_NEAR(mean(pixel, params, 1).visibility, 0.968, 2e-3);
 }
@@ -78,7 +78,7 @@ TEST(Estimator, OpenPlaneForgivesDepthErrors) {
     return texel;
   };
   twin::Params params;
-  params.infinite_thickness = 1;
+  params.thickness_mode = twin::THICKNESS_INFINITE;
   for_grid(bed.camera.size,
            [&](ivec2 p) { EXPECT_NEAR(mean(p, params, 64).visibility, 1, 5e-4) << p.x << " " << p.y; });
 }
@@ -89,9 +89,9 @@ TEST(Estimator, OpenPlaneHasNoNoise) {
   twin::Params params;
   params.slices = 1;
   for (unsigned frame = 0; frame < 64; ++frame) {
-    twin::vbgi = params;
+    twin::bitmask = params;
     twin::frame.frame_index = frame;
-    EXPECT_NEAR(twin::estimate_gi(ivec2(100, 900)).visibility, 1, 1e-6);
+    EXPECT_NEAR(twin::estimate_bitmask(ivec2(100, 900)).visibility, 1, 1e-6);
   }
 }
 
@@ -126,13 +126,13 @@ TEST(Estimator, SlotIsAFurnaceEverywhere) {
       look_through({});
       vec3 v = -glm::normalize(twin::view_ray(glm::vec2(p) + 0.5f, twin::frame.ray_scale, twin::frame.ray_offset));
       if (glm::dot(n, v) < 0.1f) continue;
-      for (int measure : {twin::MEASURE_SCREEN_J, twin::MEASURE_VIEW}) {
+      for (int measure : {twin::SLICES_SCREEN_J, twin::SLICES_VIEW}) {
         twin::Estimate seen = slot(p, n, measure, 64, 1);
         EXPECT_NEAR(seen.gi.x, 1, 2e-3) << p.x << " " << p.y << " measure " << measure;
         EXPECT_NEAR(seen.gi.z, 4, 8e-3);
         EXPECT_NEAR(seen.visibility, 0, 2e-3);
       }
-      worst_without_j = std::max(worst_without_j, std::abs(slot(p, n, twin::MEASURE_SCREEN, 64, 1).gi.x - 1.0));
+      worst_without_j = std::max(worst_without_j, std::abs(slot(p, n, twin::SLICES_SCREEN, 64, 1).gi.x - 1.0));
     }
   });
   EXPECT_GT(worst_without_j, 0.1) << "control: the test must notice a missing J";
@@ -151,7 +151,7 @@ TEST(Estimator, VisibilityAndWhiteLightAreComplements) {
         if (bed.texel(p).depth <= 0) return;
         twin::Params params;
         params.slices = slices;
-        params.infinite_thickness = infinite;
+        params.thickness_mode = infinite ? twin::THICKNESS_INFINITE : twin::THICKNESS_CONSTANT;
         params.emitter = 1;
         twin::Estimate seen = mean(p, params, 1);
         EXPECT_NEAR(seen.visibility + seen.gi.x, 1, 1e-5);
@@ -208,9 +208,9 @@ TEST(Estimator, EmissiveWallWithoutTheAzimuthWeightMisses) {
   ivec2 pixel = bed.camera.texel_of(dvec3(0));
   twin::Params params = thorough();
   double right = mean(pixel, params, 4).visibility;
-  params.slice_measure = twin::MEASURE_VIEW;
+  params.slice_measure = twin::SLICES_VIEW;
   EXPECT_NEAR(mean(pixel, params, 4).visibility, right, 5e-3) << "two ways to the same measure";
-  params.slice_measure = twin::MEASURE_SCREEN;
+  params.slice_measure = twin::SLICES_SCREEN;
   EXPECT_GT(std::abs(mean(pixel, params, 4).visibility - right), 0.01);
 }
 
@@ -273,7 +273,7 @@ TEST(Estimator, EmissiveRectangles) {
     use(bed);
     twin::Params params = thorough(96, 4096);
     params.step_exponent = 1;
-    params.infinite_thickness = 0;
+    params.thickness_mode = twin::THICKNESS_CONSTANT;
     params.thickness = 0.01f;
     twin::Estimate seen = mean(bed.camera.texel_of(dvec3(0)), params, 1);
     EXPECT_NEAR(seen.gi.x, truth[i], 1e-2) << i;
@@ -289,7 +289,7 @@ TEST(Estimator, InfiniteThicknessReachesTheTangentPlane) {
   ivec2 pixel = bed.camera.texel_of(dvec3(0));
   twin::Params params = thorough();
   EXPECT_NEAR(mean(pixel, params, 2).visibility, 1 - wall_form(60), 1e-2);
-  params.infinite_thickness = 0;
+  params.thickness_mode = twin::THICKNESS_CONSTANT;
   params.thickness = 0.1f;
   EXPECT_NEAR(mean(pixel, params, 2).visibility, 1 - (wall_form(60) - wall_form(45)), 1.5e-2);
   params.thickness = 0;

@@ -1,4 +1,4 @@
-// How the GI pass (shaders/gi/vbgi.glsl) samples: which texels it reads, how far, and what one sample covers.
+// How the GI pass (shaders/gi/march.glsl, bitmask.glsl) samples: which texels it reads, how far, and what one sample covers.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "vbgi_twin.h"
+#include "slice_twin.h"
 
 namespace {
 
@@ -39,8 +39,8 @@ TEST(Estimator, OneSampleIsThatOfThePositions) {
   bed::Camera camera;
   camera.size = {200, 120};
   look_through(camera);
-  twin::vbgi = {};
-  twin::vbgi.steps = 1;
+  twin::bitmask = {};
+  twin::bitmask.steps = 1;
   std::mt19937 engine(5);
   std::uniform_real_distribution<float> uniform(0, 1);
   int bits = 0;
@@ -51,26 +51,25 @@ TEST(Estimator, OneSampleIsThatOfThePositions) {
       texel = p;
       return bed::Texel{sample_z, vec3(0, 0, 1), vec3(1), {}};
     };
-    twin::vbgi.thickness = uniform(engine);
+    twin::bitmask.thickness = uniform(engine);
     twin::Receiver receiver;
     receiver.pixel = pixel;
     receiver.depth = z;
     receiver.ray = twin::view_ray(glm::vec2(pixel) + 0.5f, twin::frame.ray_scale, twin::frame.ray_offset);
     receiver.radius = 2;
-    vec3 v = -glm::normalize(receiver.ray), n(uniform(engine) - 0.5f, uniform(engine) - 0.5f, 0.5f);
+    vec3 v = receiver.v = -glm::normalize(receiver.ray), n(uniform(engine) - 0.5f, uniform(engine) - 0.5f, 0.5f);
     receiver.normal = n = twin::facing_normal(glm::normalize(n), v);
     vec3 d = twin::screen_direction(uniform(engine) * 3);
-    float side = uniform(engine) < 0.5f ? 1.0f : -1.0f, xi = uniform(engine);
+    float sign = uniform(engine) < 0.5f ? 1.0f : -1.0f, xi = uniform(engine);
     twin::Slice slice = twin::make_slice(v, n, d);
-    if (side < 0) slice = twin::mirror(slice);
+    if (sign < 0) slice = twin::mirror(slice);
     float k = twin::slice_k(slice.sin_gamma), total = twin::slice_total(slice.cos_gamma, slice.sin_gamma, k);
-    twin::March march = twin::make_march(receiver, slice, total, d, side, xi);
-    march.noise = uniform(engine);
-    float pixels = twin::march_length(receiver, d, march.direction);
-    if (pixels < 1) continue;
-    unsigned mask = 0;
-    vec3 light(0);
-    twin::walk(receiver, march, pixels, mask, light);
+    twin::Side side = twin::make_side(receiver, slice, d, sign);
+    side.noise = uniform(engine);
+    if (side.pixels < 1) continue;
+    twin::Tally tally{twin::empty_mask(), 0, vec3(0)};
+    twin::walk(receiver, slice, side, twin::make_scale(slice, total, sign, xi), tally);
+    const unsigned mask = tally.covered.words[0];
 
     auto at = [&](vec3 position) {
       vec3 delta = position - receiver.ray * z;
@@ -78,10 +77,10 @@ TEST(Estimator, OneSampleIsThatOfThePositions) {
       float s = twin::side_sine(dot(delta, slice.tangent), dot(delta, n) / slice.n_length, m / slice.n_length,
                                 slice.sin_gamma);
       // In the unmirrored slice, which is what the sectors are numbered in.
-      return 32 * twin::slice_cdf(slice.cos_gamma, side * slice.sin_gamma, side * s, side) + xi;
+      return 32 * twin::slice_cdf(slice.cos_gamma, sign * slice.sin_gamma, sign * s, sign) + xi;
     };
     vec3 front = twin::view_position(glm::vec2(texel) + 0.5f, sample_z, twin::frame.ray_scale, twin::frame.ray_offset);
-    float ends[2] = {at(front), at(front + glm::normalize(front) * twin::vbgi.thickness)};
+    float ends[2] = {at(front), at(front + glm::normalize(front) * twin::bitmask.thickness)};
     if (ends[0] > ends[1]) std::swap(ends[0], ends[1]);
     // Exact but for positions within rounding of a sector's border.
     const float slack = 1e-3f;
@@ -102,11 +101,11 @@ TEST(Estimator, TheTwoSidesOfASliceAreJitteredApart) {
     if (p != pixel) offsets.push_back(p - pixel);
     return bed::Texel{4, vec3(0, 0, 1), vec3(0), {}};
   };
-  twin::vbgi = {};
-  twin::vbgi.slices = 4;
-  twin::vbgi.steps = 8;
-  twin::vbgi.radius = 20;  // so far apart that few texels meet by chance
-  twin::estimate_gi(pixel);
+  twin::bitmask = {};
+  twin::bitmask.slices = 4;
+  twin::bitmask.steps = 8;
+  twin::bitmask.radius = 20;  // so far apart that few texels meet by chance
+  twin::estimate_bitmask(pixel);
   auto mirrored = [&](ivec2 o) { return std::find(offsets.begin(), offsets.end(), -o) != offsets.end(); };
   EXPECT_EQ(offsets.size(), 2u * 4 * 8);
   EXPECT_LT(std::count_if(offsets.begin(), offsets.end(), mirrored), 10);
@@ -128,7 +127,7 @@ TEST(Estimator, StaysOnTheScreenAndOffTheReceiver) {
   for (ivec2 size : {ivec2(1, 1), ivec2(3, 5), ivec2(67, 31)}) {
     camera.size = size;
     look_through(camera);
-    twin::vbgi = thorough(4, 16);
+    twin::bitmask = thorough(4, 16);
     for (int i = 0; i < size.x * size.y; ++i) {
       ivec2 pixel(i % size.x, i / size.x);
       int own = 0, fetches = 0;
@@ -139,7 +138,7 @@ TEST(Estimator, StaysOnTheScreenAndOffTheReceiver) {
         return bed::Texel{1.0f + 0.1f * float((p.x * 7 + p.y * 3) % 5), vec3(0, 0, 1), vec3(1), {}};
       };
       twin::frame.frame_index = unsigned(i);
-      twin::Estimate seen = twin::estimate_gi(pixel);
+      twin::Estimate seen = twin::estimate_bitmask(pixel);
       EXPECT_EQ(own, 2) << "the receiver's depth and normal, once each";
       EXPECT_TRUE(std::isfinite(seen.visibility) && std::isfinite(seen.gi.x));
       if (size.x > 3) {

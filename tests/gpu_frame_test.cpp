@@ -110,7 +110,7 @@ passes::FrameSettings plane_settings(int slice_measure) {
   settings.gi.shared.slices = 64;
   settings.gi.shared.steps = 8;
   settings.gi.shared.radius = 100;
-  settings.gi.vbgi.slice_measure = slice_measure;
+  settings.gi.shared.slice_measure = slice_measure;
   return settings;
 }
 
@@ -167,7 +167,7 @@ TEST_F(Frame, EmissiveWallLightsTheFloor) {
     settings.gi.shared.slices = 16;
     settings.gi.shared.steps = 96;
     settings.gi.shared.radius = 100;
-    settings.gi.shared.infinite_thickness = 1;
+    settings.gi.shared.thickness_mode = 3;
     const Shot shot = shoot(scene, {.size = {320, 180},
                                     .camera = look(view.eye, view.target, 70),
                                     .settings = settings,
@@ -207,7 +207,7 @@ TEST_F(Frame, RedAndGreenWallsLandOnTheirSides) {
   settings.gi.shared.slices = 8;
   settings.gi.shared.steps = 64;
   settings.gi.shared.radius = 100;
-  settings.gi.shared.infinite_thickness = 1;
+  settings.gi.shared.thickness_mode = 3;
   const Shot shot = shoot(scene, {.size = {320, 180},
                                   .camera = look({0, 3, 3}, {0, 0.5f, -3}, 80),
                                   .settings = settings,

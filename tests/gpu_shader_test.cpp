@@ -56,15 +56,19 @@ gpu::ShaderCompiler engine_compiler(bool storage, const std::filesystem::path& c
   return compiler;
 }
 
+gpu::Defines vbgi_defines() {
+  const passes::GiParams shared;
+  const passes::VbgiParams own;
+  return passes::GiPipelines::defines({{"GI", shared.table(), &shared}, {"BITMASK", own.table(), &own}});
+}
+
 TEST(Shaders, BothWaysToFetchCompile) {
   for (const bool storage : {true, false}) {
     const gpu::ShaderCompiler compiler = engine_compiler(storage, {});
-    for (const char* file : {"gi/vbgi.comp"}) {
-      const gpu::CompiledProgram program = compiler.compile({file}, {});
-      ASSERT_TRUE(program.interface.find("depth"));
-      EXPECT_EQ(program.interface.find("depth")->kind,
-                storage ? gpu::SlotKind::StorageImage : gpu::SlotKind::SampledImage);
-    }
+    const gpu::CompiledProgram program = compiler.compile({"gi/vbgi.comp"}, vbgi_defines());
+    ASSERT_TRUE(program.interface.find("depth"));
+    EXPECT_EQ(program.interface.find("depth")->kind,
+              storage ? gpu::SlotKind::StorageImage : gpu::SlotKind::SampledImage);
     for (const char* file : {"direct.frag", "composite.frag"})
       EXPECT_FALSE(compiler.compile({"common/fullscreen.vert", file}, {}).interface.slots.empty());
     const gpu::Defines map = {{"ENVIRONMENT_MAP", "1"}, {"HAS_VISIBILITY", "1"}, {"HAS_BENT", "1"}};
@@ -77,16 +81,18 @@ TEST(Shaders, TheCacheGivesTheSameWordsAndIgnoresDamage) {
       std::filesystem::temp_directory_path() / fmt::format("nearfield-cache-{}", getpid());
   std::filesystem::create_directories(cache);
   const gpu::ShaderCompiler compiler = engine_compiler(true, cache);
-  const gpu::CompiledProgram first = compiler.compile({"gi/vbgi.comp"}, {}),
-                             second = compiler.compile({"gi/vbgi.comp"}, {});
+  const gpu::CompiledProgram first = compiler.compile({"gi/vbgi.comp"}, vbgi_defines()),
+                             second = compiler.compile({"gi/vbgi.comp"}, vbgi_defines());
   EXPECT_FALSE(first.from_cache);
   EXPECT_TRUE(second.from_cache);
   EXPECT_EQ(first.stages[0].spirv, second.stages[0].spirv);
-  EXPECT_FALSE(compiler.compile({"gi/vbgi.comp"}, {{"OTHER", "1"}}).from_cache) << "defines are part of the key";
+  gpu::Defines others = vbgi_defines();
+  others.emplace_back("OTHER", "1");
+  EXPECT_FALSE(compiler.compile({"gi/vbgi.comp"}, others).from_cache) << "defines are part of the key";
   EXPECT_GE(first.dependencies.size(), 5u);
   for (const auto& entry : std::filesystem::recursive_directory_iterator(cache))
     if (entry.is_regular_file()) std::filesystem::resize_file(entry.path(), 100);
-  const gpu::CompiledProgram third = compiler.compile({"gi/vbgi.comp"}, {});
+  const gpu::CompiledProgram third = compiler.compile({"gi/vbgi.comp"}, vbgi_defines());
   EXPECT_FALSE(third.from_cache);
   EXPECT_EQ(third.stages[0].spirv, first.stages[0].spirv);
   std::filesystem::remove_all(cache);

@@ -47,7 +47,7 @@ json techniques_json() {
                    {"name", t.name},
                    {"paper", t.paper},
                    {"outputs", t.outputs},
-                   {"modes", t.paper_mode ? json({"radiometric", "paper"}) : json({"radiometric"})}});
+                   {"modes", !t.paper_mode.empty() ? json({"radiometric", "paper"}) : json({"radiometric"})}});
   return out;
 }
 

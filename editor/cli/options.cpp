@@ -23,8 +23,10 @@ extern "C" void on_interrupt(int) {
   if (stop.exchange(true)) std::_Exit(int(Exit::Interrupted));
 }
 
-void apply_preset(CommonOptions& options, passes::FrameSettings& settings) {
-  using nlohmann::json;
+using nlohmann::json;
+
+// The preset's own flags go to `options` where they were not given; returns its parameters.
+json read_preset(CommonOptions& options) {
   std::ifstream in(options.preset);
   if (!in) fail(Exit::Input, "cannot read the preset '{}': no such file", options.preset);
   json preset;
@@ -39,10 +41,15 @@ void apply_preset(CommonOptions& options, passes::FrameSettings& settings) {
     if (!preset[key].is_string()) fail(Exit::Input, "bad preset '{}': '{}' must be a string", options.preset, key);
     return preset[key].get<std::string>();
   };
+  json values = json::object();
   for (const auto& [key, value] : preset.items()) {
     if (key == "schema") continue;
     if (key == "technique") {
       if (!options.technique_given) options.technique = text("technique");
+    } else if (key == "mode") {
+      if (!options.mode_given) options.mode = text("mode");
+      if (options.mode != "paper" && options.mode != "radiometric")
+        fail(Exit::Input, "bad preset '{}': 'mode' must be \"paper\" or \"radiometric\"", options.preset);
     } else if (key == "view") {
       if (!options.view_given) options.view = text("view");
     } else if (key == "size") {
@@ -52,16 +59,14 @@ void apply_preset(CommonOptions& options, passes::FrameSettings& settings) {
         fail(Exit::Input, "bad preset '{}': 'seed' must be a whole number, 0 to 4294967295", options.preset);
       if (!options.seed_given) options.seed = value.get<uint32_t>();
     } else if (key == "params") {
-      try {
-        params::from_json(settings.blocks(), value);
-      } catch (const Error& e) {
-        fail(e.exit(), "cannot read the preset '{}': {}", options.preset, e.what());
-      }
+      values = value;
     } else {
-      fail(Exit::Input, "bad preset '{}': unknown key '{}'; there are schema, technique, view, size, seed, params",
+      fail(Exit::Input,
+           "bad preset '{}': unknown key '{}'; there are schema, technique, mode, view, size, seed, params",
            options.preset, key);
     }
   }
+  return values;
 }
 
 }  // namespace
@@ -131,6 +136,7 @@ void add_render_flags(CLI::App& app, CommonOptions& o) {
   app.parse_complete_callback([&app, &o] {
     o.size_given = app.count("--size") > 0;
     o.seed_given = app.count("--seed") > 0;
+    o.mode_given = !o.mode.empty();
     o.technique_given = app.count("--technique") > 0;
     o.view_given = app.count("--view") > 0;
   });
@@ -172,12 +178,15 @@ gpu::DeviceOptions device_options(const CommonOptions& o) {
 
 passes::FrameSettings make_settings(CommonOptions& o) {
   passes::FrameSettings settings;
-  if (!o.preset.empty()) apply_preset(o, settings);
+  const json values = o.preset.empty() ? json::object() : read_preset(o);
   if (!o.technique.empty()) settings.technique = &passes::find_technique(o.technique);
+  if (o.mode == "paper") set_paper_mode(settings);
+  try {
+    params::from_json(settings.blocks(), values);
+  } catch (const Error& e) {
+    fail(e.exit(), "cannot read the preset '{}': {}", o.preset, e.what());
+  }
   for (const std::string& assignment : o.sets) params::assign(settings.blocks(), assignment);
-  if (o.mode == "paper" && !settings.technique->paper_mode)
-    fail(Exit::Usage, "{} has no paper mode in this version: leave --mode away or use --mode radiometric",
-         settings.technique->id);
   return settings;
 }
 

@@ -24,7 +24,7 @@ struct CommonOptions {
   double timeout = 0;  // seconds; 0 = none
   bool validation = false, quiet = false, verbose = false, no_alias = false;
   // Which of the flags that a preset can also set were given: they win.
-  bool size_given = false, seed_given = false, technique_given = false, view_given = false;
+  bool size_given = false, seed_given = false, technique_given = false, mode_given = false, view_given = false;
 };
 
 // A command's options and what it does. `run` returns the process's exit code.
@@ -43,7 +43,8 @@ void start_log(const CommonOptions& options);
 
 // "640x360" to pixels, 1 to 16384 a side. Throws nf::Error (Exit::Usage).
 glm::uvec2 parse_size(const std::string& text);
-// Device, preset, technique and parameters, in this order, as the flags ask for. Applies the preset to `options` too.
+// Technique, mode, the preset's parameters and --set, in this order: what comes later wins. Applies the preset to
+// `options` too.
 passes::FrameSettings make_settings(CommonOptions& options);
 gpu::Timing parse_timing(const std::string& text);
 graph::ExecutorOptions executor_options(const CommonOptions& options);

@@ -57,7 +57,7 @@ reference::MarchSettings march_settings(const ReferenceOptions& o, const passes:
   s.radius_mode = parse_radius_mode(o.radius_mode, reference::RadiusMode::Disc);
   s.falloff = o.falloff;
   s.thickness = gi.thickness;
-  s.infinite_thickness = gi.infinite_thickness != 0;
+  s.infinite_thickness = gi.thickness_mode == 3;  // infinite
   s.one_sided = !o.any_emitter;
   s.uniform = o.directions == "uniform";
   s.sampler = o.sampler == "independent" ? reference::SamplerKind::Independent : reference::SamplerKind::Sobol;

@@ -6,15 +6,58 @@
 namespace nf::passes {
 namespace {
 
+// The forms as printed. Algorithm 1 of the visibility-bitmask paper with the post's readings where it is silent: equal
+// angles, widths rounded, slices uniform on the screen, thickness along the receiver's view ray, the emitter's cosine.
+constexpr const char* vbao_paper[] = {"gi.slice_measure=screen", "gi.projection=view_cosine",
+                                      "gi.back_along=receiver_v", "vbao.sector_rule=round",
+                                      "vbao.sector_measure=uniform_angle"};
+constexpr const char* vbgi_paper[] = {"gi.slice_measure=screen",  "gi.projection=view_cosine",
+                                      "gi.back_along=receiver_v", "vbgi.sector_rule=round",
+                                      "vbgi.emitter=cosine",      "vbgi.sector_measure=uniform_angle"};
+constexpr const char* gtao_paper[] = {"gi.slice_measure=screen", "gi.projection=view_cosine",
+                                      "gi.radius_mode=ball_falloff"};
+constexpr const char* hbao_paper[] = {"gi.slice_measure=screen", "gi.projection=view_cosine", "gi.radius_mode=ball",
+                                      "hbao.falloff=quadratic", "hbao.bias=30"};
+
 const Technique table[] = {
-    {"none", "No screen-space GI", "", "", false,
-     [](graph::Graph&, const GiPipelines&, const GBuffer&, const Radiance&, const GiSettings&) { return GiResult{}; },
+    {"none",
+     "No screen-space GI",
+     "",
+     "",
+     {},
+     [](graph::Graph&, GiPipelines&, const GiInputs&, const GiSettings&) { return GiResult{}; },
      [](GiSettings&) { return ParamBlock{}; }},
+    {"hbao", "Horizon-based ambient occlusion",
+     "Bavoil, Sainz, Dimitrov: Image-Space Horizon-Based Ambient Occlusion (2008)", "visibility, bent", hbao_paper,
+     [](graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiSettings& s) {
+       return add_hbao(graph, pipelines, in, s.shared, s.hbao);
+     },
+     [](GiSettings& s) {
+       return ParamBlock{&HbaoParams::table(), &s.hbao};
+     }},
+    {"gtao", "Ground-truth ambient occlusion",
+     "Jimenez, Wu, Pesce, Jarabo: Practical Realtime Strategies for Accurate Indirect Occlusion (2016)",
+     "visibility, bent", gtao_paper,
+     [](graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiSettings& s) {
+       return add_gtao(graph, pipelines, in, s.shared, s.gtao);
+     },
+     [](GiSettings& s) {
+       return ParamBlock{&GtaoParams::table(), &s.gtao};
+     }},
+    {"vbao", "Visibility bitmask AO",
+     "Therrien, Levesque, Gilet: Screen Space Indirect Lighting with Visibility Bitmask (2023)",
+     "visibility, bent, ambient", vbao_paper,
+     [](graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiSettings& s) {
+       return add_vbao(graph, pipelines, in, s.shared, s.vbao);
+     },
+     [](GiSettings& s) {
+       return ParamBlock{&VbaoParams::table(), &s.vbao};
+     }},
     {"vbgi", "Visibility bitmask GI",
-     "Therrien, Levesque, Gilet: Screen Space Indirect Lighting with Visibility Bitmask (2023)", "visibility, gi",
-     false,
-     [](graph::Graph& graph, const GiPipelines& p, const GBuffer& g, const Radiance& r, const GiSettings& s) {
-       return add_vbgi(graph, p.vbgi, g, r, s.shared, s.vbgi);
+     "Therrien, Levesque, Gilet: Screen Space Indirect Lighting with Visibility Bitmask (2023)",
+     "visibility, bent, gi, ambient", vbgi_paper,
+     [](graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiSettings& s) {
+       return add_vbgi(graph, pipelines, in, s.shared, s.vbgi);
      },
      [](GiSettings& s) {
        return ParamBlock{&VbgiParams::table(), &s.vbgi};
@@ -22,10 +65,6 @@ const Technique table[] = {
 };
 
 }  // namespace
-
-GiPipelines create_gi(gpu::Pipelines& pipelines) {
-  return {create_vbgi(pipelines)};
-}
 
 std::span<const Technique> techniques() {
   return table;

@@ -3,33 +3,31 @@
 
 #include <span>
 #include <string_view>
-#include <vector>
 
-#include "gbuffer.h"
+#include "gi/gi_inputs.h"
 #include "gi/gi_result.h"
-#include "gi/vbgi.h"
-#include "lighting.h"
+#include "gi/slices.h"
 
 namespace nf::passes {
 
 // Parameter values of every technique; those of the others are kept when one is chosen.
 struct GiSettings {
   GiParams shared;
+  HbaoParams hbao;
+  GtaoParams gtao;
+  VbaoParams vbao;
   VbgiParams vbgi;
 };
-
-struct GiPipelines {
-  VbgiPass vbgi;
-};
-GiPipelines create_gi(gpu::Pipelines& pipelines);
 
 struct Technique {
   const char* id;
   const char* name;
   const char* paper;    // where it comes from
   const char* outputs;  // which members of GiResult it gives
-  bool paper_mode;      // whether the form as printed exists beside the radiometric one
-  GiResult (*add)(graph::Graph&, const GiPipelines&, const GBuffer&, const Radiance&, const GiSettings&);
+  // What makes it the form that the paper prints, errata included, as "id=value": the defaults are the radiometric
+  // form. Empty when there is no other form.
+  std::span<const char* const> paper_mode;
+  GiResult (*add)(graph::Graph&, GiPipelines&, const GiInputs&, const GiSettings&);
   ParamBlock (*params)(GiSettings&);  // private parameters; an empty block when there are none
 };
 

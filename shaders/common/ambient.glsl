@@ -1,11 +1,22 @@
 // Light straight from the environment, reflected: diffuse by irradiance and visibility, specular by the split sum (Karis
 // 2013) with the table of passes/environment.cpp. Specular occlusion is the cosine-weighted visibility: an approximation.
-// ENVIRONMENT_MAP: an environment that is not the same from all sides.
+// ENVIRONMENT_MAP: an environment that is not the same from all sides. HAS_VISIBILITY, HAS_BENT, HAS_AMBIENT: what the
+// technique gives of it.
 #ifndef NF_COMMON_AMBIENT_GLSL
 #define NF_COMMON_AMBIENT_GLSL
 
 #ifdef ENVIRONMENT_MAP
 #include "common/environment.glsl"
+#endif
+
+#ifdef HAS_VISIBILITY
+uniform texture2D visibility;
+#endif
+#ifdef HAS_BENT
+uniform texture2D bent;
+#endif
+#ifdef HAS_AMBIENT
+uniform texture2D ambient;  // irradiance / pi
 #endif
 
 const int REFLECTANCE_SIDE = 16;
@@ -21,26 +32,40 @@ vec2 specular_albedo(float n_v, float roughness) {
              mix(reflectance.rows[row + REFLECTANCE_SIDE], reflectance.rows[row + REFLECTANCE_SIDE + 1], t.x), t.y);
 }
 
-// normal, to_eye, bent: view space, unit; bent is the normal where the technique gives no better direction.
-vec3 ambient_out(Surface s, float dielectric_f0, vec3 normal, vec3 to_eye, float visibility, vec3 bent) {
-  float n_v = clamp(dot(normal, to_eye), 0.0, 1.0);
-  vec3 reflected = diffuse_reflectance(s, dielectric_f0);
+// Mean unoccluded direction, or the normal where the technique finds none.
+vec3 bent_normal(vec3 bent, vec3 normal) { return dot(bent, bent) > 1e-6 ? normalize(bent) : normal; }
+
+// normal, to_eye: view space, unit. occlusion: the material's own.
+vec3 ambient_out(ivec2 pixel, Surface s, float dielectric_f0, float occlusion, vec3 normal, vec3 to_eye) {
+  float open = occlusion;
+#ifdef HAS_VISIBILITY
+  open *= texelFetch(visibility, pixel, 0).x;
+#endif
   vec3 mirrored = vec3(0.0);
   if (frame.lambert == 0u) {
-    vec2 albedo = specular_albedo(n_v, s.roughness);
+    vec2 albedo = specular_albedo(clamp(dot(normal, to_eye), 0.0, 1.0), s.roughness);
     mirrored = s.f0 * albedo.x + albedo.y;
   }
+  vec3 irradiance = frame.environment;
 #ifdef ENVIRONMENT_MAP
   mat3 world_from_view = mat3(frame.world_from_view);
-  reflected *= environment_irradiance(world_from_view * bent);
-  if (frame.lambert == 0u) reflected += mirrored * environment_lobe(world_from_view * reflect(-to_eye, normal), s.roughness);
-  return reflected * visibility;
+  if (frame.lambert == 0u) mirrored *= environment_lobe(world_from_view * reflect(-to_eye, normal), s.roughness);
 #else
-  return (reflected + mirrored) * frame.environment * visibility;
+  mirrored *= frame.environment;
 #endif
+#ifdef HAS_AMBIENT
+  irradiance = texelFetch(ambient, pixel, 0).rgb * occlusion;
+#else
+#ifdef ENVIRONMENT_MAP
+#ifdef HAS_BENT
+  irradiance = environment_irradiance(world_from_view * bent_normal(texelFetch(bent, pixel, 0).xyz, normal));
+#else
+  irradiance = environment_irradiance(world_from_view * normal);
+#endif
+#endif
+  irradiance *= open;
+#endif
+  return diffuse_reflectance(s, dielectric_f0) * irradiance + mirrored * open;
 }
-
-// The technique's mean unoccluded direction, or the normal where there is none.
-vec3 bent_normal(vec3 bent, vec3 normal) { return dot(bent, bent) > 1e-6 ? normalize(bent) : normal; }
 
 #endif

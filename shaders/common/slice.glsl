@@ -9,6 +9,7 @@ const float HALF_PI = 1.57079632679490f;
 
 struct Slice {
   vec3 tangent;     // unit, in the slice, perpendicular to n_p, on the side of +d
+  vec3 normal;      // n_p / |n_p|
   float n_length;   // |n_p|, length of the normal's projection onto the slice
   float cos_gamma;
   float sin_gamma;
@@ -23,6 +24,7 @@ Slice make_slice(vec3 v, vec3 normal, vec3 direction) {
   slice.cos_gamma = along_v / slice.n_length;
   slice.sin_gamma = -along_across / slice.n_length;
   slice.tangent = slice.sin_gamma * v + slice.cos_gamma * across;
+  slice.normal = slice.cos_gamma * v - slice.sin_gamma * across;
   return slice;
 }
 
@@ -95,6 +97,26 @@ float slice_cdf(float cos_gamma, float sin_gamma, float s, float side) {
   Measure measure = make_measure(cos_gamma, side * sin_gamma, total);
   float f = measure_cdf(measure, side * s, slice_k(side * s));
   return side > 0.0f ? f : 1.0f - f;
+}
+
+// First moment of the measure, from any fixed angle to theta, whose sine and cosine are s and c: the integral of
+// (sin theta, cos theta) cos(theta) |sin(theta - gamma)| d theta. Between two horizons it is the bent normal.
+vec2 moment_beyond_gamma(Slice slice, float s, float c) {
+  float s3 = s * s * s * (1.0f / 3.0f);
+  float c3 = c * c * c * (1.0f / 3.0f);
+  return vec2(slice.cos_gamma * s3 + slice.sin_gamma * c3, -slice.cos_gamma * c3 - slice.sin_gamma * (s - s3));
+}
+
+vec2 slice_moment(Slice slice, float s, float c) {
+  vec2 from_gamma = moment_beyond_gamma(slice, s, c) - moment_beyond_gamma(slice, slice.sin_gamma, slice.cos_gamma);
+  return s >= slice.sin_gamma ? from_gamma : -from_gamma;
+}
+
+// The fast acos of the visibility-bitmask post: within 0.009.
+float fast_acos(float x) {
+  float a = min(abs(x), 1.0f);
+  float angle = (HALF_PI - 0.156583f * a) * sqrt(1.0f - a);
+  return x >= 0.0f ? angle : PI - angle;
 }
 
 // Sine of the angle of a direction, not necessarily unit, on the side theta >= gamma, given its oblique coordinates

@@ -1,13 +1,14 @@
-// The estimator of shaders/gi/vbgi.glsl compiled as C++ in namespace `twin`, fed by an analytic depth buffer; shared by
-// the tests that run the whole pass.
+// The slice techniques (shaders/gi/bitmask.glsl, horizon.glsl) compiled as C++ in namespace `twin`, fed by an analytic
+// depth buffer; shared by the tests that run the whole pass.
 #pragma once
 
 #include <cmath>
 #include <functional>
 
 #include "depth_bed.h"
+#include "gi/bitmask_params.h"
 #include "gi/gi_params.h"
-#include "gi/vbgi_params.h"
+#include "gi/horizon_params.h"
 #include "glsl_twin.h"
 
 namespace twin {
@@ -24,25 +25,51 @@ using Float = float;
 using Int = int;
 using Bool = unsigned;
 using Choice = int;
-struct Params {
 #define MEMBER(type, name, value, low, high, unit, help) type name = value;
+// Every technique's parameters in one: shared, of the bitmasks, of the horizons.
+struct Params {
   NF_GI_PARAMS(MEMBER)
   NF_VBGI_PARAMS(MEMBER)
-#undef MEMBER
 };
-// One object under both of the shader's block names.
-inline Params vbgi;
-inline Params& gi = vbgi;
+struct HorizonParams {
+  NF_HORIZON_PARAMS(MEMBER)
+  int uniform = 0;
+};
+#undef MEMBER
+// One object under the two block names of the shader.
+inline Params bitmask;
+inline Params& gi = bitmask;
+inline HorizonParams horizon;
 
 inline std::function<bed::Texel(glm::ivec2)> fetch;
+inline std::function<glm::vec3(glm::vec3)> environment_from = [](glm::vec3) { return glm::vec3(1); };
 
 }  // namespace twin
 
 #define FETCH_DEPTH(p) fetch(p).depth
 #define FETCH_NORMAL(p) pack_normal(fetch(p).normal)
 #define FETCH_RADIANCE(p) pack_rgb9e5(fetch(p).radiance)
+// What the GPU compiles in is chosen at run time here.
+#define GI_SLICE_MEASURE gi.slice_measure
+#define GI_PROJECTION gi.projection
+#define GI_RADIUS_MODE gi.radius_mode
+#define GI_STEP_JITTER gi.step_jitter
+#define GI_THICKNESS_MODE gi.thickness_mode
+#define GI_BACK_ALONG gi.back_along
+#define BITMASK_SECTORS bitmask.sectors
+#define BITMASK_SECTOR_RULE bitmask.sector_rule
+#define BITMASK_SECTOR_MEASURE bitmask.sector_measure
+#define BITMASK_FAST_ACOS bitmask.fast_acos
+#define BITMASK_EMITTER bitmask.emitter
+#define BITMASK_LIGHT 1
+#define BITMASK_AMBIENT 1
+#define MASK_WORDS 4
+#define HORIZON_UNIFORM horizon.uniform
+#define HORIZON_FALLOFF horizon.falloff
+#define HORIZON_BENT 1
 NF_GLSL_BEGIN
-#include "gi/vbgi.glsl"
+#include "gi/bitmask.glsl"
+#include "gi/horizon.glsl"
 NF_GLSL_END
 
 namespace twin {
@@ -69,19 +96,34 @@ inline Params thorough(int slices = 64, int steps = 256) {
   params.radius = 1000;
   params.slices = slices;
   params.steps = steps;
-  params.infinite_thickness = 1;
+  params.thickness_mode = THICKNESS_INFINITE;
   return params;
 }
 
-// Mean of the estimator over frames, as --accumulate does.
+// Mean of an estimator over frames, as --accumulate does.
 inline Estimate mean(glm::ivec2 pixel, const Params& params, int frames) {
-  vbgi = params;
-  Estimate sum{0, glm::vec3(0)};
+  bitmask = params;
+  Estimate sum{0, glm::vec3(0), glm::vec3(0), glm::vec3(0)};
   for (int i = 0; i < frames; ++i) {
     frame.frame_index = unsigned(i);
-    Estimate one = estimate_gi(pixel);
+    const Estimate one = estimate_bitmask(pixel);
     sum.visibility += one.visibility / float(frames);
+    sum.bent += one.bent / float(frames);
     sum.gi += one.gi / float(frames);
+    sum.ambient += one.ambient / float(frames);
+  }
+  return sum;
+}
+
+inline Openness mean_horizons(glm::ivec2 pixel, const Params& params, const HorizonParams& own, int frames) {
+  bitmask = params;
+  horizon = own;
+  Openness sum{0, glm::vec3(0)};
+  for (int i = 0; i < frames; ++i) {
+    frame.frame_index = unsigned(i);
+    const Openness one = estimate_horizons(pixel);
+    sum.visibility += one.visibility / float(frames);
+    sum.bent += one.bent / float(frames);
   }
   return sum;
 }

@@ -1,0 +1,47 @@
+// What a GI technique is given: the surfaces in view, the light that leaves them, the environment; and its pipelines.
+#pragma once
+
+#include <vector>
+
+#include "environment.h"
+#include "gbuffer.h"
+#include "lighting.h"
+
+namespace nf::passes {
+
+struct GiInputs {
+  const GBuffer& gbuffer;
+  const Radiance& radiance;  // .radiance is what the technique gathers
+  const EnvironmentMaps& environment;
+};
+
+// Pipelines of the techniques' shaders, one for each combination of choices that was used: every Choice and Bool of the
+// given blocks is the constant PREFIX_NAME to the shader, so that its inner loops have no switches. Compiled when
+// first used; throws nf::Error (Exit::Shader).
+class GiPipelines {
+ public:
+  explicit GiPipelines(gpu::Pipelines& pipelines) : pipelines_(pipelines) {}
+
+  struct Choices {
+    const char* prefix;  // in capitals
+    const ParamTable& table;
+    const void* data;
+  };
+  // The constants, after `more`.
+  static gpu::Defines defines(std::initializer_list<Choices> choices, gpu::Defines more = {});
+  // `file` is compared by address: pass a literal.
+  gpu::Pipeline compute(const char* file, std::initializer_list<Choices> choices, const gpu::Defines& more = {});
+
+ private:
+  struct Row {
+    const char* file;
+    gpu::Defines more;
+    std::vector<int32_t> values;
+    gpu::Pipeline pipeline;
+  };
+  gpu::Pipelines& pipelines_;
+  std::vector<Row> rows_;
+  std::vector<int32_t> values_;  // scratch
+};
+
+}  // namespace nf::passes

@@ -1,0 +1,372 @@
+// Visibility bitmasks (Therrien, Levesque, Gilet 2023, Algorithm 1): of the sectors of a slice, those that a sample is the
+// first to cover are lost to the sky and receive its light. By default the sectors are equal parts of projected solid
+// angle, so counting bits integrates; the choices bring back the forms that the paper and others use. Compiles as GLSL and
+// as C++; beside what gi/march.glsl needs the including file provides `bitmask` with its choices (passes/gi/bitmask_params.h)
+// as constants BITMASK_*, and
+//   BITMASK_LIGHT    1: gathers light; then FETCH_RADIANCE(texel)
+//   BITMASK_AMBIENT  1: gathers the environment; then environment_from(direction), view space, radiance
+#ifndef NF_GI_BITMASK_GLSL
+#define NF_GI_BITMASK_GLSL
+
+#include "gi/march.glsl"
+
+#define SECTOR_COUNT (4 << BITMASK_SECTORS)
+#ifndef MASK_WORDS
+#define MASK_WORDS ((SECTOR_COUNT + 31) / 32)
+#endif
+#include "common/sectors.glsl"
+
+// The choices, in the order of bitmask_params.h.
+const int RULE_JITTER = 0;
+const int RULE_CENTRE = 1;
+const int RULE_CEIL = 2;
+const int RULE_ROUND = 3;
+const int MEASURE_COSINE = 0;
+const int MEASURE_UNIFORM_ANGLE = 1;
+const int MEASURE_SOLID_ANGLE = 2;
+const int MEASURE_SINE = 3;
+const int MEASURE_FOUR_MASKS = 4;
+const int EMITTER_ONE_SIDED = 0;
+const int EMITTER_NONE = 1;
+const int EMITTER_COSINE = 2;
+const int EMITTER_HALF_SPACE = 3;
+
+struct Estimate {
+  float visibility;  // 1 = open
+  vec3 bent;         // mean of the open directions, weighted by the measure; view space, not unit
+  vec3 gi;           // irradiance / pi
+  vec3 ambient;      // irradiance / pi of the environment
+};
+
+// --- where a direction lies on the sectors ---
+
+// Position, in sectors, of the angle with sine s on one side of a slice: constant + linear s + square s^2 + curve k(s), where
+// k is K(s), asin(s) or sqrt(1 - s^2) as the measure has it.
+struct Scale {
+  float constant;
+  float linear;
+  float square;
+  float curve;
+};
+
+Scale make_scale(Slice slice, float total, float sign, float noise) {
+  Scale scale;
+  scale.constant = 0.5f;
+  scale.linear = 0.0f;
+  scale.square = 0.0f;
+  scale.curve = 0.0f;
+  if (BITMASK_SECTOR_MEASURE == MEASURE_COSINE) {
+    Measure measure = make_measure(slice.cos_gamma, slice.sin_gamma, total);
+    scale.constant = measure.constant;
+    scale.square = measure.c0;
+    scale.curve = -measure.c1;
+  } else if (BITMASK_SECTOR_MEASURE == MEASURE_SOLID_ANGLE) {
+    scale.constant = 1.0f + 0.5f * slice.sin_gamma;
+    scale.linear = -0.5f * slice.sin_gamma;
+    scale.curve = -0.5f * slice.cos_gamma;
+  } else if (BITMASK_SECTOR_MEASURE == MEASURE_SINE) {
+    scale.linear = 0.5f;
+  } else {
+    scale.curve = 1.0f / PI;
+  }
+  float sectors = sign * float(SECTOR_COUNT);
+  scale.constant = (sign > 0.0f ? 0.0f : float(SECTOR_COUNT)) + noise + sectors * scale.constant;
+  scale.linear *= sectors;
+  scale.square *= sectors;
+  scale.curve *= sectors;
+  return scale;
+}
+
+float sector_position(Scale scale, float s) {
+  if (BITMASK_SECTOR_MEASURE == MEASURE_COSINE) return scale.constant + scale.square * s * s + scale.curve * slice_k(s);
+  if (BITMASK_SECTOR_MEASURE == MEASURE_SOLID_ANGLE)
+    return scale.constant + scale.linear * s + scale.curve * sqrt(max(1.0f - s * s, 0.0f));
+  if (BITMASK_SECTOR_MEASURE == MEASURE_SINE) return scale.constant + scale.linear * s;
+  return scale.constant + scale.curve * (BITMASK_FAST_ACOS != 0 ? HALF_PI - fast_acos(s) : asin(clamp(s, -1.0f, 1.0f)));
+}
+
+// Sectors [first, last) or [last, first).
+struct Range {
+  int first;
+  int last;
+};
+
+// The hit rules (techniques.md 3.4). The first two round the end points and neither lose nor count twice; the others, as
+// printed, round the width.
+Range sector_range(float front, float back) {
+  Range range;
+  if (BITMASK_SECTOR_RULE == RULE_JITTER || BITMASK_SECTOR_RULE == RULE_CENTRE) {
+    range.first = int(floor(front));
+    range.last = int(floor(back));
+  } else {
+    float width = abs(back - front);
+    range.first = int(floor(min(front, back)));
+    range.last = range.first + int(BITMASK_SECTOR_RULE == RULE_CEIL    ? ceil(width)
+                                   : BITMASK_SECTOR_RULE == RULE_ROUND ? floor(width + 0.5f)
+                                                                       : floor(width));
+  }
+  if (SECTOR_COUNT < 32) {
+    range.first = min(range.first, SECTOR_COUNT);
+    range.last = min(range.last, SECTOR_COUNT);
+  }
+  return range;
+}
+
+uint range_word(Range range, int word) { return sector_span_word(range.first, range.last, word); }
+
+// How many sectors the bits of a word are worth. Four masks: bits at equal angles, a fourth of the angle from n_p each
+// weighted by its mean cosine (as EEVEE does; needs 8 sectors or more).
+float word_worth(uint bits, int word) {
+  if (BITMASK_SECTOR_MEASURE != MEASURE_FOUR_MASKS) return float(bitCount(bits));
+  float worth = 0.0f;
+  for (int i = 0; i < 4; ++i) {
+    int low = i * SECTOR_COUNT / 8;
+    int high = (i + 1) * SECTOR_COUNT / 8;
+    uint group = sector_span_word(low, high, word) | sector_span_word(SECTOR_COUNT - high, SECTOR_COUNT - low, word);
+    // The sine of the band's far angle less that of its near one, over its share of the angle; from the tangent plane inwards.
+    float near = i == 3 ? 0.0f : i == 2 ? 0.38268343f : i == 1 ? 0.70710678f : 0.92387953f;
+    float far = i == 3 ? 0.38268343f : i == 2 ? 0.70710678f : i == 1 ? 0.92387953f : 1.0f;
+    worth += 4.0f * (far - near) * float(bitCount(bits & group));
+  }
+  return worth;
+}
+
+// --- one slice ---
+
+// What has been found in a slice, in sectors.
+struct Tally {
+  Mask covered;
+  float worth;
+  vec3 light;
+};
+
+// The sectors whose rays meet the plane of the emitter from its front: an interval on either side.
+Range emitter_half_space(Slice slice, Scale scale, vec3 normal) {
+  float across = dot(normal, slice.tangent);
+  float along = dot(normal, slice.normal);
+  // across sin(theta) + along cos(theta) < 0, which changes at:
+  float s = -along * (across < 0.0f ? -1.0f : 1.0f) * inversesqrt(across * across + along * along + 1e-30f);
+  float turn = sector_position(scale, max(s, slice.sin_gamma));
+  float end = sector_position(scale, across < 0.0f ? 1.0f : slice.sin_gamma);
+  Range range;
+  range.first = int(floor(turn));
+  range.last = int(floor(end));
+  return range;
+}
+
+// Light that reaches the receiver per sector, of a texel found at `towards`.
+vec3 texel_light(Receiver receiver, Tap tap) {
+#if BITMASK_LIGHT
+  float weight = 1.0f;
+  if (BITMASK_EMITTER == EMITTER_ONE_SIDED)
+    weight = dot(unpack_normal_octahedron(FETCH_NORMAL(tap.texel)), tap.towards) < 0.0f ? 1.0f : 0.0f;
+  if (BITMASK_EMITTER == EMITTER_COSINE)
+    weight = max(-dot(unpack_normal(FETCH_NORMAL(tap.texel)), normalize(tap.towards)), 0.0f);
+  // Measures without the receiver's cosine take it at the sample (line 23); uniform solid angle is then worth twice.
+  if (BITMASK_SECTOR_MEASURE == MEASURE_UNIFORM_ANGLE || BITMASK_SECTOR_MEASURE == MEASURE_SOLID_ANGLE)
+    weight *= max(dot(receiver.normal, normalize(tap.towards)), 0.0f);
+  if (BITMASK_SECTOR_MEASURE == MEASURE_SOLID_ANGLE) weight *= 2.0f;
+  return weight * unpack_rgb9e5(FETCH_RADIANCE(tap.texel));
+#else
+  return vec3(0.0f);
+#endif
+}
+
+// Steps from a front point to its back point: `per_metre` of depth along the sample's own view ray, or along the receiver's.
+struct Slab {
+  vec3 along;  // metres for each unit of `depth`
+  float s;
+  float c;
+  float m;
+  float depth;     // in units of `along`
+};
+
+Slab make_slab(Receiver receiver, Side side, Tap tap) {
+  float thickness = GI_THICKNESS_MODE == THICKNESS_LINEAR ? gi.thickness * tap.depth : gi.thickness;
+  Slab slab;
+  if (GI_BACK_ALONG == BACK_SAMPLE_RAY) {
+    // `thickness` along a ray is that much less in depth.
+    vec2 beside = tap.offset * frame.ray_scale;
+    slab.along = receiver.ray + vec3(beside.x, beside.y, 0.0f);
+    slab.s = side.s_depth + dot(tap.offset, side.s_offset);
+    slab.c = side.c_depth + dot(tap.offset, side.c_offset);
+    slab.m = dot(tap.offset, side.m_offset);
+    slab.depth = thickness * inversesqrt(dot(slab.along, slab.along));
+  } else {
+    slab.along = -receiver.v;
+    slab.s = -side.sin_gamma;
+    slab.c = -side.cos_gamma;
+    slab.m = 0.0f;
+    slab.depth = thickness;
+  }
+  if (GI_THICKNESS_MODE == THICKNESS_INFINITE) slab.depth = 1e6f;
+  return slab;
+}
+
+// Cuts front and back to what lies within the radius: x shares of `along`. Empty when y <= x.
+vec2 within_radius(Receiver receiver, Tap tap, Slab slab) {
+  float a = dot(slab.along, slab.along);
+  float b = dot(tap.towards, slab.along);
+  float c = dot(tap.towards, tap.towards) - receiver.radius * receiver.radius;
+  float root2 = b * b - a * c;
+  float root = sqrt(max(root2, 0.0f));
+  return root2 > 0.0f ? vec2(max((-b - root) / a, 0.0f), min((root - b) / a, slab.depth)) : vec2(0.0f);
+}
+
+// Walks from the receiver outwards along one side.
+void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) tally) {
+  Steps steps = make_steps();
+  float end = sector_position(scale, 1.0f);
+  float cos_thickness = cos(radians(gi.thickness_angle));
+  float sin_thickness = sin(radians(gi.thickness_angle));
+
+  for (int i = 0; i < steps.count; ++i) {
+    Tap tap = take_tap(receiver, side, steps, i);
+    Slab slab = make_slab(receiver, side, tap);
+    bool hit = tap.depth > 0.0f;
+    float weight = 1.0f;
+    if (GI_RADIUS_MODE != RADIUS_DISC) {
+      vec2 part = within_radius(receiver, tap, slab);
+      hit = hit && part.y > part.x;
+      tap.towards += part.x * slab.along;
+      tap.s += part.x * slab.s;
+      tap.c += part.x * slab.c;
+      tap.m += part.x * slab.m;
+      slab.depth = part.y - part.x;
+      if (GI_RADIUS_MODE == RADIUS_BALL_FALLOFF) weight = radius_weight(receiver, length(tap.towards));
+    }
+
+    float front_sine = point_sine(receiver, side, tap.s, tap.c, tap.m, tap.towards);
+    float front = sector_position(scale, front_sine);
+    float back = end;
+    if (GI_THICKNESS_MODE == THICKNESS_ANGULAR) {
+      float cos_front = sqrt(max(1.0f - front_sine * front_sine, 0.0f));
+      float turned = front_sine * cos_thickness + cos_front * sin_thickness;
+      back = sector_position(scale, cos_front * cos_thickness > front_sine * sin_thickness ? turned : 1.0f);
+    } else if (GI_THICKNESS_MODE != THICKNESS_INFINITE) {
+      vec3 through = tap.towards + slab.depth * slab.along;
+      back = sector_position(scale, point_sine(receiver, side, tap.s + slab.depth * slab.s, tap.c + slab.depth * slab.c,
+                                               tap.m + slab.depth * slab.m, through));
+    }
+
+    Range range = sector_range(front, back);
+    uint any = 0u;
+    float fresh_worth = 0.0f;
+    float lit_worth = 0.0f;
+    for (int word = 0; word < MASK_WORDS; ++word) {
+      uint fresh = hit ? range_word(range, word) & ~tally.covered.words[word] : 0u;
+      tally.covered.words[word] |= fresh;
+      any |= fresh;
+      if (BITMASK_LIGHT != 0 || GI_RADIUS_MODE == RADIUS_BALL_FALLOFF) fresh_worth += word_worth(fresh, word);
+#if BITMASK_LIGHT
+      if (BITMASK_EMITTER == EMITTER_HALF_SPACE && fresh != 0u) {
+        Range front_half = emitter_half_space(slice, scale, unpack_normal_octahedron(FETCH_NORMAL(tap.texel)));
+        lit_worth += word_worth(fresh & range_word(front_half, word), word);
+      }
+#endif
+    }
+    if (GI_RADIUS_MODE == RADIUS_BALL_FALLOFF) tally.worth += weight * fresh_worth;
+#if BITMASK_LIGHT
+    if (any != 0u)
+      tally.light += weight * (BITMASK_EMITTER == EMITTER_HALF_SPACE ? lit_worth : fresh_worth) * texel_light(receiver, tap);
+#endif
+  }
+}
+
+// --- the environment ---
+
+// Directional ambient (section 3.2) and the bent normal: the slice in regions of equal angle, of each region its share of
+// open sectors and its mean direction.
+#if BITMASK_AMBIENT
+void gather_regions(Slice slice, Scale front_scale, Scale back_scale, float weight, Mask covered, INOUT(vec3) bent,
+                    INOUT(vec3) ambient) {
+  int regions = bitmask.regions;
+  float share = weight / float(SECTOR_COUNT);
+  float last_position = sector_position(back_scale, 1.0f);
+  vec2 last_moment = slice_moment(slice, -1.0f, 0.0f);
+  for (int i = 1; i <= regions; ++i) {
+    float theta = (float(i) / float(regions) - 0.5f) * PI;
+    float s = i == regions ? 1.0f : sin(theta);
+    float c = i == regions ? 0.0f : cos(theta);
+    float position = s >= slice.sin_gamma ? sector_position(front_scale, s) : sector_position(back_scale, -s);
+    vec2 moment = slice_moment(slice, s, c);
+    Range range = sector_range(last_position, position);
+    float open = 0.0f;
+    for (int word = 0; word < MASK_WORDS; ++word)
+      open += word_worth(range_word(range, word) & ~covered.words[word], word);
+    float middle = theta - 0.5f * PI / float(regions);
+    vec2 mean = vec2(sin(middle), cos(middle));
+    if (BITMASK_SECTOR_MEASURE == MEASURE_COSINE) {
+      float sectors = position - last_position;
+      float total = slice_total(slice.cos_gamma, slice.sin_gamma, slice_k_exact(slice.sin_gamma));
+      mean = sectors > 1e-3f ? (moment - last_moment) * (float(SECTOR_COUNT) / (sectors * total)) : mean;
+    }
+    vec3 direction = slice.tangent * mean.x + slice.normal * mean.y;
+    bent += share * open * direction;
+    ambient += share * open * environment_from(normalize(direction));
+    last_position = position;
+    last_moment = moment;
+  }
+}
+#endif
+
+// --- the pixel ---
+
+Estimate estimate_bitmask(ivec2 pixel) {
+  Estimate result;
+  result.visibility = 1.0f;
+  result.bent = vec3(0.0f);
+  result.gi = vec3(0.0f);
+  result.ambient = vec3(0.0f);
+  Receiver receiver = make_receiver(pixel);
+  if (receiver.depth <= 0.0f) return result;
+
+  vec3 noise = sampling_noise(pixel, frame.frame_index, frame.seed);
+  int slices = gi.slices;
+  float weights = 0.0f;
+
+  for (int i = 0; i < slices; ++i) {
+    vec3 direction = slice_direction(receiver, i, noise.x);
+    float sector_noise = BITMASK_SECTOR_RULE == RULE_JITTER   ? rotated(noise.z, i)
+                         : BITMASK_SECTOR_RULE == RULE_CENTRE ? 0.5f
+                                                              : 0.0f;
+    Slice slice = make_slice(receiver.v, receiver.normal, direction);
+    float total = slice_total(slice.cos_gamma, slice.sin_gamma, slice_k(slice.sin_gamma));
+
+    Tally tally;
+    tally.covered = empty_mask();
+    tally.worth = 0.0f;
+    tally.light = vec3(0.0f);
+    for (int back_side = 0; back_side < 2; ++back_side) {
+      float sign = back_side == 0 ? 1.0f : -1.0f;
+      Side side = make_side(receiver, slice, direction, sign);
+      side.noise = rotated(noise.y, step_index(2 * i + back_side, 0, gi.steps));
+      if (side.pixels >= 1.0f) walk(receiver, slice, side, make_scale(slice, total, sign, sector_noise), tally);
+      slice = mirror(slice);
+    }
+
+    // The exact total here: with the polynomial's, the mean weight would be off by up to 0.002.
+    float weight = slice_azimuth_weight(receiver, direction);
+    if (BITMASK_SECTOR_MEASURE == MEASURE_COSINE)
+      weight *= slice.n_length * slice_total(slice.cos_gamma, slice.sin_gamma, slice_k_exact(slice.sin_gamma));
+    weights += weight;
+    if (GI_RADIUS_MODE != RADIUS_BALL_FALLOFF) {
+      tally.worth = 0.0f;
+      for (int word = 0; word < MASK_WORDS; ++word) tally.worth += word_worth(tally.covered.words[word], word);
+    }
+    result.visibility -= weight * tally.worth / (float(slices) * float(SECTOR_COUNT));
+    result.gi += weight / (float(slices) * float(SECTOR_COUNT)) * tally.light;
+#if BITMASK_AMBIENT
+    gather_regions(slice, make_scale(slice, total, 1.0f, sector_noise),
+                   make_scale(mirror(slice), total, -1.0f, sector_noise), weight / float(slices), tally.covered,
+                   result.bent, result.ambient);
+#endif
+  }
+  // The weights have the mean 1, so an open hemisphere is known without sampling: taking 1 for their sum (a control variate)
+  // leaves the expected value and frees open surfaces of noise. Slices uniform on the screen lack that mean: there it is the
+  // sum, bias included.
+  if (GI_SLICE_MEASURE == SLICES_SCREEN) result.visibility += weights / float(slices) - 1.0f;
+  return result;
+}
+
+#endif

@@ -1,0 +1,25 @@
+// A horizon pass over the pixels; `horizon` is the technique's own block.
+#include "gi/inputs.glsl"
+
+uniform writeonly image2D visibility;
+#if HORIZON_BENT
+uniform writeonly image2D bent;
+#endif
+#if HORIZON_MULTI_BOUNCE
+uniform texture2D albedo;
+#endif
+
+#include "gi/horizon.glsl"
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (pixel.x >= frame.size.x || pixel.y >= frame.size.y) return;
+  Openness open = estimate_horizons(pixel);
+#if HORIZON_MULTI_BOUNCE
+  open.visibility = multi_bounce(open.visibility, dot(texelFetch(albedo, pixel, 0).rgb, vec3(0.2126f, 0.7152f, 0.0722f)));
+#endif
+  imageStore(visibility, pixel, vec4(open.visibility));
+#if HORIZON_BENT
+  imageStore(bent, pixel, vec4(open.bent, 0.0f));
+#endif
+}
