@@ -50,6 +50,7 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::
   environment_ = create_environment(device, scene.environment);
   lighting_ = create_lighting(*pipelines_, environment_.any());
   gi_ = std::make_unique<GiPipelines>(*pipelines_);
+  noise_ = std::make_unique<Noise>(device, cache);
   aovs_ = create_aovs(*pipelines_, environment_.any());
   accumulate_ = create_accumulate(*pipelines_);
   for (const Aov& aov : aovs()) mean_names_.push_back(fmt::format("{}.mean", *aov.name ? aov.name : "final"));
@@ -81,7 +82,7 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const F
   out.gbuffer = add_gbuffer(graph, gbuffer_, {view.size.x, view.size.y}, *tables_, camera_draws_, deformed);
   const ShadowMaps maps = add_shadows(graph, shadow_, settings.shadow, shadows, *tables_, shadow_draws_, deformed);
   out.direct = add_direct(graph, lighting_, out.gbuffer, shadows, maps, *lights_, {settings.shadow, settings.lights});
-  out.gi = settings.technique->add(graph, *gi_, {out.gbuffer, out.direct, environment_}, settings.gi);
+  out.gi = settings.technique->add(graph, *gi_, {out.gbuffer, out.direct, environment_, *noise_}, settings.gi);
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_, environment_);
   // What a frame offers. Whoever runs it reads what he wants to see.
   for (const graph::Tex offered :

@@ -64,6 +64,7 @@ class Renderer {
   ShadowPass shadow_;
   LightingPass lighting_;
   std::unique_ptr<GiPipelines> gi_;
+  std::unique_ptr<Noise> noise_;
   AovPass aovs_;
   AccumulatePass accumulate_;
   gpu::Device& device_;

@@ -257,7 +257,7 @@ TEST_F(Environments, BentNormalsTurnTheIrradiance) {
     graph::Graph graph;
     const passes::FrameOutputs out = renderer.build(graph, view, settings_for("vbgi", true));
     passes::GiResult gi = out.gi;
-    gi.gi = {};
+    gi.gi = gi.bent = gi.ambient = {};
     if (bent) gi.bent = out.direct.diffuse;
     const graph::Tex composed = add_composite(graph, lighting, out.gbuffer, out.direct, gi, tables, maps);
     graph.readback("lit", composed);

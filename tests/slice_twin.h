@@ -42,7 +42,8 @@ inline Params& gi = bitmask;
 inline HorizonParams horizon;
 
 inline std::function<bed::Texel(glm::ivec2)> fetch;
-inline std::function<glm::vec3(glm::vec3)> environment_from = [](glm::vec3) { return glm::vec3(1); };
+inline std::function<glm::vec3(glm::vec3)> environment_from = [](glm::vec3) { return glm::vec3(1); },
+                                           environment_over = environment_from;
 
 }  // namespace twin
 

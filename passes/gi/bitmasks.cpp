@@ -38,6 +38,7 @@ GiResult add_bitmask(graph::Graph& graph, GiPipelines& pipelines, const GiInputs
     builder.out("bent", out.bent).out("ambient", out.ambient).params(params);
     feed_environment(graph, builder, *pipeline.interface, in.environment);
   }
+  in.noise.feed(graph, builder, *pipeline.interface);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include "environment.h"
 #include "gbuffer.h"
 #include "lighting.h"
+#include "noise.h"
 
 namespace nf::passes {
 
@@ -13,6 +14,7 @@ struct GiInputs {
   const GBuffer& gbuffer;
   const Radiance& radiance;  // .radiance is what the technique gathers
   const EnvironmentMaps& environment;
+  Noise& noise;
 };
 
 // Pipelines of the techniques' shaders, one for each combination of choices that was used: every Choice and Bool of the

@@ -28,6 +28,7 @@ GiResult add_horizons(graph::Graph& graph, GiPipelines& pipelines, const GiInput
     out.bent = graph.image(names.bent, {size, VK_FORMAT_R16G16B16A16_SFLOAT});
     builder.out("bent", out.bent);
   }
+  in.noise.feed(graph, builder, *pipeline.interface);
   return out;
 }
 

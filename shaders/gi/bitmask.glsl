@@ -4,7 +4,8 @@
 // as C++; beside what gi/march.glsl needs the including file provides `bitmask` with its choices (passes/gi/bitmask_params.h)
 // as constants BITMASK_*, and
 //   BITMASK_LIGHT    1: gathers light; then FETCH_RADIANCE(texel)
-//   BITMASK_AMBIENT  1: gathers the environment; then environment_from(direction), view space, radiance
+//   BITMASK_AMBIENT  1: gathers the environment; then environment_from(direction), its radiance, and environment_over(normal),
+//                    its irradiance / pi over the open hemisphere, view space
 #ifndef NF_GI_BITMASK_GLSL
 #define NF_GI_BITMASK_GLSL
 
@@ -275,13 +276,17 @@ void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) t
 
 // --- the environment ---
 
-// Directional ambient (section 3.2) and the bent normal: the slice in regions of equal angle, of each region its share of
-// open sectors and its mean direction.
+// Directional ambient (section 3.2) and the bent normal: the slice in regions of equal angle, of each region its mean direction
+// and its share of covered sectors, which is taken off what an open hemisphere gives; or of open ones, which are added, where
+// that is not known.
+bool from_open_hemisphere() { return BITMASK_SECTOR_MEASURE == MEASURE_COSINE && GI_SLICE_MEASURE != SLICES_SCREEN; }
+
 #if BITMASK_AMBIENT
 void gather_regions(Slice slice, Scale front_scale, Scale back_scale, float weight, Mask covered, INOUT(vec3) bent,
                     INOUT(vec3) ambient) {
   int regions = bitmask.regions;
-  float share = weight / float(SECTOR_COUNT);
+  float share = (from_open_hemisphere() ? -weight : weight) / float(SECTOR_COUNT);
+  uint flip = from_open_hemisphere() ? 0u : 0xFFFFFFFFu;
   float last_position = sector_position(back_scale, 1.0f);
   vec2 last_moment = slice_moment(slice, -1.0f, 0.0f);
   for (int i = 1; i <= regions; ++i) {
@@ -291,9 +296,9 @@ void gather_regions(Slice slice, Scale front_scale, Scale back_scale, float weig
     float position = s >= slice.sin_gamma ? sector_position(front_scale, s) : sector_position(back_scale, -s);
     vec2 moment = slice_moment(slice, s, c);
     Range range = sector_range(last_position, position);
-    float open = 0.0f;
+    float counted = 0.0f;
     for (int word = 0; word < MASK_WORDS; ++word)
-      open += word_worth(range_word(range, word) & ~covered.words[word], word);
+      counted += word_worth(range_word(range, word) & (covered.words[word] ^ flip), word);
     float middle = theta - 0.5f * PI / float(regions);
     vec2 mean = vec2(sin(middle), cos(middle));
     if (BITMASK_SECTOR_MEASURE == MEASURE_COSINE) {
@@ -302,8 +307,8 @@ void gather_regions(Slice slice, Scale front_scale, Scale back_scale, float weig
       mean = sectors > 1e-3f ? (moment - last_moment) * (float(SECTOR_COUNT) / (sectors * total)) : mean;
     }
     vec3 direction = slice.tangent * mean.x + slice.normal * mean.y;
-    bent += share * open * direction;
-    ambient += share * open * environment_from(normalize(direction));
+    bent += share * counted * direction;
+    ambient += share * counted * environment_from(normalize(direction));
     last_position = position;
     last_moment = moment;
   }
@@ -320,6 +325,13 @@ Estimate estimate_bitmask(ivec2 pixel) {
   result.ambient = vec3(0.0f);
   Receiver receiver = make_receiver(pixel);
   if (receiver.depth <= 0.0f) return result;
+
+#if BITMASK_AMBIENT
+  if (from_open_hemisphere()) {
+    result.bent = receiver.normal * (2.0f / 3.0f);
+    result.ambient = environment_over(receiver.normal);
+  }
+#endif
 
   vec3 noise = sampling_noise(pixel, frame.frame_index, frame.seed);
   int slices = gi.slices;
@@ -350,15 +362,16 @@ Estimate estimate_bitmask(ivec2 pixel) {
     if (BITMASK_SECTOR_MEASURE == MEASURE_COSINE)
       weight *= slice.n_length * slice_total(slice.cos_gamma, slice.sin_gamma, slice_k_exact(slice.sin_gamma));
     weights += weight;
-    if (GI_RADIUS_MODE != RADIUS_BALL_FALLOFF) {
-      tally.worth = 0.0f;
-      for (int word = 0; word < MASK_WORDS; ++word) tally.worth += word_worth(tally.covered.words[word], word);
-    }
+    float covered = 0.0f;
+    for (int word = 0; word < MASK_WORDS; ++word) covered += word_worth(tally.covered.words[word], word);
+    if (GI_RADIUS_MODE != RADIUS_BALL_FALLOFF) tally.worth = covered;
     result.visibility -= weight * tally.worth / (float(slices) * float(SECTOR_COUNT));
     result.gi += weight / (float(slices) * float(SECTOR_COUNT)) * tally.light;
 #if BITMASK_AMBIENT
+    // Of occluders that count for less, all regions alike get their slice's share.
+    float part = from_open_hemisphere() && covered > 0.0f ? tally.worth / covered : 1.0f;
     gather_regions(slice, make_scale(slice, total, 1.0f, sector_noise),
-                   make_scale(mirror(slice), total, -1.0f, sector_noise), weight / float(slices), tally.covered,
+                   make_scale(mirror(slice), total, -1.0f, sector_noise), weight * part / float(slices), tally.covered,
                    result.bent, result.ambient);
 #endif
   }

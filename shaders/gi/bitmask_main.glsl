@@ -25,6 +25,14 @@ vec3 environment_from(vec3 direction) {
   return frame.environment;
 #endif
 }
+
+vec3 environment_over(vec3 normal) {
+#ifdef ENVIRONMENT_MAP
+  return environment_irradiance(mat3(frame.world_from_view) * normal);
+#else
+  return frame.environment;
+#endif
+}
 #endif
 
 #include "gi/bitmask.glsl"

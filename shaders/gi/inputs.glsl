@@ -3,6 +3,9 @@
 #include "common/frame.glsl"
 #include "params/gi"
 
+#define NOISE_KIND GI_NOISE
+#include "common/noise_table.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 
 FETCH_FLOAT_IMAGE(depth);
