@@ -19,6 +19,15 @@ constexpr const char* gtao_paper[] = {"gi.slice_measure=screen", "gi.projection=
 constexpr const char* hbao_paper[] = {"gi.slice_measure=screen", "gi.projection=view_cosine", "gi.radius_mode=ball",
                                       "hbao.falloff=quadratic", "hbao.bias=30"};
 
+// Horizon angles in the local camera space, the sign of equation 5, light blended along the slice, acos(1 - AO).
+constexpr const char* hbil_paper[] = {"hbil.space=local",  "hbil.printed_sign=true", "hbil.reject=running",
+                                      "hbil.cone=printed", "hbil.far=factor",        "gi.step_exponent=1"};
+constexpr const char* ssao_paper[] = {"gi.noise=4x4",   "ssao.kernel=chapman", "ssao.range=quadratic",
+                                      "ssao.self=bias", "ssao.sender=point",   "ssao.damping=0.05",
+                                      "ssao.blur=true"};
+constexpr const char* ssdo_paper[] = {"gi.noise=4x4", "ssdo.directions=uniform", "ssdo.sender=clamped",
+                                      "ssdo.fade=0.25", "ssdo.blur=true"};
+
 const Technique table[] = {
     {"none",
      "No screen-space GI",
@@ -61,6 +70,43 @@ const Technique table[] = {
      },
      [](GiSettings& s) {
        return ParamBlock{&VbgiParams::table(), &s.vbgi};
+     }},
+    {"hbil", "Horizon-based indirect lighting", "Mayaux: Horizon-Based Indirect Lighting (2018)",
+     "visibility, bent, gi, ambient", hbil_paper,
+     [](graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiSettings& s) {
+       return add_hbil(graph, pipelines, in, s.shared, s.hbil);
+     },
+     [](GiSettings& s) {
+       return ParamBlock{&HbilParams::table(), &s.hbil};
+     }},
+    {"ssao", "SSAO with colour bleeding",
+     "Colliander, Tornquist: Screen Space Ambient Occlusion & Colour Bleeding (2015), after Chapman (2011)",
+     "visibility, gi", ssao_paper,
+     [](graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiSettings& s) {
+       return add_ssao(graph, pipelines, in, s.shared, s.ssao);
+     },
+     [](GiSettings& s) {
+       return ParamBlock{&SsaoParams::table(), &s.ssao};
+     }},
+    {"ssdo", "Screen-space directional occlusion",
+     "Ritschel, Grosch, Seidel: Approximating Dynamic Global Illumination in Image Space (2009)",
+     "visibility, bent, gi, ambient", ssdo_paper,
+     [](graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiSettings& s) {
+       return add_ssdo(graph, pipelines, in, s.shared, s.ssdo);
+     },
+     [](GiSettings& s) {
+       return ParamBlock{&SsdoParams::table(), &s.ssdo};
+     }},
+    {"raymarch",
+     "Rays through the depth buffer",
+     "The baseline of Therrien, Levesque, Gilet (2023), Figure 16",
+     "visibility, bent, gi, ambient",
+     {},
+     [](graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiSettings& s) {
+       return add_raymarch(graph, pipelines, in, s.shared, s.raymarch);
+     },
+     [](GiSettings& s) {
+       return ParamBlock{&RaymarchParams::table(), &s.raymarch};
      }},
 };
 

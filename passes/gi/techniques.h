@@ -6,6 +6,7 @@
 
 #include "gi/gi_inputs.h"
 #include "gi/gi_result.h"
+#include "gi/hemisphere.h"
 #include "gi/slices.h"
 
 namespace nf::passes {
@@ -17,6 +18,10 @@ struct GiSettings {
   GtaoParams gtao;
   VbaoParams vbao;
   VbgiParams vbgi;
+  HbilParams hbil;
+  SsaoParams ssao;
+  SsdoParams ssdo;
+  RaymarchParams raymarch;
 };
 
 struct Technique {

@@ -1,0 +1,18 @@
+// HBIL.
+#include "gi/gather.h"
+#include "gi/hemisphere.h"
+
+namespace nf::passes {
+
+GiResult add_hbil(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
+                  const HbilParams& params) {
+  gpu::Defines defines;
+  if (in.environment.any()) defines.emplace_back("ENVIRONMENT_MAP", "1");
+  const gpu::Pipeline pipeline = pipelines.compute(
+      "gi/hbil.comp", {{"GI", GiParams::table(), &shared}, {"HBIL", HbilParams::table(), &params}}, defines);
+  auto pass = graph.compute("hbil.trace", pipeline, "Rising horizons: light, bent cone, environment through it");
+  pass.params(shared).params(params);
+  return add_gather(graph, pass, *pipeline.interface, in, {"hbil.visibility", "hbil.bent", "hbil.gi", "hbil.ambient"});
+}
+
+}  // namespace nf::passes

@@ -1,0 +1,155 @@
+// ssao, ssdo, raymarch and hbil on the device: what the same text gives as C++ over the same texels; both modes run
+// clean.
+#include "gather_twin.h"
+#include "gpu_fixture.h"
+
+namespace nf::test {
+namespace {
+
+using glm::ivec2;
+using glm::vec3;
+
+passes::FrameSettings settings_for(const char* technique, bool paper = false) {
+  passes::FrameSettings settings;
+  settings.technique = &passes::find_technique(technique);
+  settings.gi.shared.radius = 0.8f;
+  if (paper) passes::set_paper_mode(settings);
+  return settings;
+}
+
+// A floor, a wall and a box that shines a little, in the sun and under the sky.
+content::Builder corner() {
+  content::Builder b;
+  const auto white = b.material({.base_color = vec3(0.7f)});
+  b.quad({-3, 0, 3}, {3, 0, 3}, {3, 0, -3}, {-3, 0, -3}, white);
+  b.quad({-3, 0, -2}, {3, 0, -2}, {3, 1.5f, -2}, {-3, 1.5f, -2}, b.material({.base_color = vec3(0.8f, 0.2f, 0.2f)}));
+  b.box({0.3f, 0.3f, -0.6f}, vec3(0.3f), 0.4f,
+        b.material({.base_color = vec3(0.2f, 0.8f, 0.2f), .emissive = vec3(0.5f)}));
+  b.directional_light({0.3f, -1, -0.5f}, 3);
+  return b;
+}
+const scene::Camera camera = look({-0.5f, 1.4f, 1.6f}, {0.2f, 0.3f, -0.8f}, 60);
+
+class Gather : public GpuTest {
+ protected:
+  // The twin reads what the frame's layers say.
+  void look_at(const Shot& shot, glm::uvec2 size, const scene::Scene& scene, const Request& request) {
+    passes::FrameView view;
+    view.camera = view.previous_camera = request.camera;
+    view.size = size;
+    view.seed = request.seed;
+    const passes::FrameBlock block = passes::make_frame_block(view, scene, {});
+    twin::frame.ray_scale = block.ray_scale;
+    twin::frame.ray_offset = block.ray_offset;
+    twin::frame.pixels_per_tangent = block.pixels_per_tangent;
+    twin::frame.size = ivec2(size);
+    twin::frame.frame_index = 0;
+    twin::frame.seed = request.seed;
+    const glm::mat3 turn(block.view_from_world);
+    twin::fetch = [&shot, turn](ivec2 p) {
+      const auto layer = [&](const char* name) {
+        return vec3(shot.value(name, p, 0), shot.value(name, p, 1), shot.value(name, p, 2));
+      };
+      return bed::Texel{shot.value("depth", p), turn * layer("normal"), layer("radiance"), {}};
+    };
+  }
+};
+
+TEST_F(Gather, DeviceAndHostAgree) {
+  scene::Scene scene = load(corner());
+  scene.environment.color = {0.4f, 0.5f, 0.6f};
+  for (const char* technique : {"ssao", "ssdo", "raymarch", "hbil"}) {
+    const Request request{.size = {64, 36}, .camera = camera, .settings = settings_for(technique)};
+    const Shot shot = shoot(scene, request);
+    look_at(shot, request.size, scene, request);
+    twin::bitmask = {};
+    twin::gi.radius = 0.8f;
+    twin::ssao = {};
+    twin::ssdo = {};
+    twin::raymarch = {};
+    twin::hbil = {};
+    int apart = 0, occluded = 0, lit = 0, count = 0;
+    for (int i = 0; i < 64 * 36; ++i) {
+      const ivec2 p(i % 64, i / 64);
+      float visibility;
+      vec3 light;
+      if (technique == std::string("hbil")) {
+        const twin::Lit seen = twin::estimate_hbil(p);
+        visibility = seen.visibility, light = seen.gi;
+      } else {
+        const twin::Gathered seen = technique == std::string("ssao")   ? twin::estimate_ssao(p)
+                                    : technique == std::string("ssdo") ? twin::estimate_ssdo(p)
+                                                                       : twin::estimate_raymarch(p);
+        visibility = seen.visibility, light = seen.gi;
+      }
+      // Halves hold 11 bits; here and there a point falls on the border of a texel.
+      apart += std::abs(shot.value("visibility", p) - visibility) > 2e-3f ||
+               std::abs(shot.value("gi_raw", p, 1) - light.y) > 2e-3f + 2e-3f * light.y;
+      occluded += visibility < 0.9f;
+      lit += light.y > 0.01f;
+      ++count;
+    }
+    EXPECT_LT(apart, count / 50) << technique;
+    EXPECT_GT(occluded, count / 20) << technique;
+    EXPECT_GT(lit, count / 50) << technique;
+  }
+}
+
+TEST_F(Gather, BothModesGiveAllTheirOutputs) {
+  scene::Scene scene = load(corner());
+  scene.environment.color = {0.4f, 0.5f, 0.6f};
+  for (const char* technique : {"ssao", "ssdo", "raymarch", "hbil"}) {
+    for (const bool paper : {false, true}) {
+      if (paper && passes::find_technique(technique).paper_mode.empty()) continue;
+      const Shot shot =
+          shoot(scene, {.size = {33, 19}, .camera = camera, .settings = settings_for(technique, paper), .frames = 2});
+      float least = 1, most = 0, light = 0;
+      for (int i = 0; i < 33 * 19; ++i) {
+        const ivec2 p(i % 33, i / 33);
+        least = std::min(least, shot.value("visibility", p));
+        most = std::max(most, shot.value("visibility", p));
+        light = std::max(light, shot.value("gi_raw", p));
+      }
+      EXPECT_LT(least, 0.9f) << technique << paper;
+      // The sign of HBIL's equation 11 as printed makes tilted surfaces more open than open, or less than closed.
+      const bool wrong_sign = paper && technique == std::string("hbil");
+      EXPECT_GT(least, wrong_sign ? -1 : -0.1f) << technique << paper;
+      EXPECT_NEAR(most, 1, wrong_sign ? 1 : 0.02f) << technique << paper;
+      EXPECT_GT(light, 0.01f) << technique << paper;
+    }
+  }
+  // Options that bring other inputs and passes.
+  passes::FrameSettings settings = settings_for("ssao");
+  const float plain =
+      shoot(scene, {.size = {33, 19}, .camera = camera, .settings = settings}).value("gi_raw", {15, 10}, 2);
+  settings.gi.ssao.ambient_share = 1;
+  const float with_sky =
+      shoot(scene, {.size = {33, 19}, .camera = camera, .settings = settings}).value("gi_raw", {15, 10}, 2);
+  EXPECT_GE(with_sky, plain);
+  settings.gi.ssao.bleed = 0;
+  EXPECT_FALSE(shoot(scene, {.size = {33, 19}, .camera = camera, .settings = settings}).layers.contains("gi_raw"));
+}
+
+TEST_F(Gather, HbilIsVbgiWithInfiniteThickness) {
+  scene::Scene scene = load(corner());
+  scene.environment.color = {0.4f, 0.5f, 0.6f};
+  const auto shot = [&](const char* technique, int thickness_mode) {
+    passes::FrameSettings settings = settings_for(technique);
+    settings.gi.shared.thickness_mode = thickness_mode;
+    settings.gi.shared.slices = 2;
+    return shoot(scene, {.size = {64, 36}, .camera = camera, .settings = settings});
+  };
+  const auto apart = [](const Shot& a, const Shot& b, const char* layer) {
+    double sum = 0;
+    for (int i = 0; i < 64 * 36; ++i)
+      sum += std::abs(a.value(layer, {i % 64, i / 64}) - b.value(layer, {i % 64, i / 64}));
+    return sum / (64 * 36);
+  };
+  const Shot hbil = shot("hbil", 0), solid = shot("vbgi", 3), thin = shot("vbgi", 0);
+  EXPECT_LT(apart(hbil, solid, "visibility"), 2.0 / 255);
+  EXPECT_LT(apart(hbil, solid, "gi_raw"), 2.0 / 255);
+  EXPECT_GT(apart(hbil, thin, "visibility"), 2.0 / 255) << "control";
+}
+
+}  // namespace
+}  // namespace nf::test
