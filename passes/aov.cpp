@@ -32,7 +32,8 @@ graph::Tex source_of(const Aov& aov, const FrameOutputs& o) {
   const std::string_view name = aov.name;
   if (name.empty()) return o.lit;
   if (name == "direct" || name == "direct_diffuse") return o.direct.diffuse;
-  if (name == "gi" || name == "gi_raw" || name == "indirect") return o.gi.gi;
+  if (name == "gi_raw") return o.gi_raw.gi;
+  if (name == "gi" || name == "indirect") return o.gi.gi;
   if (name == "visibility") return o.gi.visibility;
   if (name == "bent") return o.gi.bent;
   if (name == "velocity") return o.gbuffer.velocity;

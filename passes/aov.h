@@ -13,7 +13,7 @@ namespace nf::passes {
 struct FrameOutputs {
   GBuffer gbuffer;
   Radiance direct;
-  GiResult gi;
+  GiResult gi, gi_raw;  // after reconstruction, and before
   graph::Tex lit;
 };
 

@@ -6,11 +6,10 @@
 namespace nf::passes {
 
 std::vector<ParamBlock> FrameSettings::blocks() {
-  std::vector<ParamBlock> all = {{&GiParams::table(), &gi.shared},
-                                 {&MaterialParams::table(), &material},
-                                 {&LightParams::table(), &lights},
-                                 {&ShadowParams::table(), &shadow},
-                                 {&TonemapParams::table(), &tonemap}};
+  std::vector<ParamBlock> all = {{&GiParams::table(), &gi.shared},      {&MaterialParams::table(), &material},
+                                 {&LightParams::table(), &lights},      {&ShadowParams::table(), &shadow},
+                                 {&TemporalParams::table(), &temporal}, {&DenoiseParams::table(), &denoise},
+                                 {&TaaParams::table(), &taa},           {&TonemapParams::table(), &tonemap}};
   for (const Technique& t : techniques())
     if (const ParamBlock block = t.params(gi); block.table) all.push_back(block);
   return all;
@@ -22,9 +21,16 @@ void set_paper_mode(FrameSettings& settings) {
   for (const char* assignment : settings.technique->paper_mode) params::assign(settings.blocks(), assignment);
 }
 
+void FrameSettings::switch_off_reconstruction() {
+  temporal.enabled = 0;
+  denoise.method = 0;
+  taa.enabled = 0;
+}
+
 std::vector<const ParamTable*> inner_tables() {
-  return {&FrameBlock::table(),     &AccumulateBlock::table(),  &SunBlock::table(),   &ShadowViewBlock::table(),
-          &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table()};
+  return {&FrameBlock::table(),     &AccumulateBlock::table(),  &SunBlock::table(),    &ShadowViewBlock::table(),
+          &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table(), &ReprojectBlock::table(),
+          &TemporalBlock::table(),  &DenoiseBlock::table(),     &TaaBlock::table()};
 }
 
 gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,
@@ -68,9 +74,18 @@ void Renderer::update(const scene::Changes& changes) {
   tables_->update(changes);
 }
 
-FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const FrameSettings& settings) {
+FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const FrameSettings& settings) {
   if (settings.technique != last_technique_) graph.forget_histories();
   last_technique_ = settings.technique;
+  const bool temporal = settings.reconstruct && settings.temporal.enabled;
+  const bool taa = settings.reconstruct && settings.taa.enabled;
+  FrameView view = asked;
+  if (taa) {
+    view.jitter = halton_jitter(view.frame_index);
+    view.previous_jitter = halton_jitter(view.frame_index - 1);
+  }
+  // Noise that changes from frame to frame only flickers where nothing averages it.
+  if (!view.averaged && !temporal && !taa) view.frame_index = 0;
   const FrameBlock frame = make_frame_block(view, scene_, settings.material);
   graph.share(frame);
   tables_->build_draws(camera_draws_, scene::frustum_from_clip(frame.jittered_clip_from_world), view.camera.position);
@@ -82,13 +97,28 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& view, const F
   out.gbuffer = add_gbuffer(graph, gbuffer_, {view.size.x, view.size.y}, *tables_, camera_draws_, deformed);
   const ShadowMaps maps = add_shadows(graph, shadow_, settings.shadow, shadows, *tables_, shadow_draws_, deformed);
   out.direct = add_direct(graph, lighting_, out.gbuffer, shadows, maps, *lights_, {settings.shadow, settings.lights});
-  out.gi = settings.technique->add(graph, *gi_, {out.gbuffer, out.direct, environment_, *noise_}, settings.gi);
+  out.gi_raw = settings.technique->add(graph, *gi_, {out.gbuffer, out.direct, environment_, *noise_}, settings.gi);
+  out.gi = out.gi_raw;
+  const ReprojectBlock reproject = make_reproject_block(view);
+  if (settings.reconstruct) {
+    graph::Tex moments;
+    if (temporal && out.gi.any()) {
+      const PreviousSurface previous = keep_surface(graph, out.gbuffer);
+      const Temporal mean =
+          add_temporal(graph, *pipelines_, out.gbuffer, previous, reproject, out.gi, settings.temporal);
+      out.gi = mean.gi;
+      moments = mean.moments;
+    }
+    out.gi = add_denoise(graph, *pipelines_, out.gbuffer, out.gi, moments, settings.denoise, settings.temporal);
+  }
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_, environment_);
+  if (taa) out.lit = add_taa(graph, *pipelines_, out.gbuffer, reproject, out.lit, settings.taa);
   // What a frame offers. Whoever runs it reads what he wants to see.
   for (const graph::Tex offered :
        {out.gbuffer.depth, out.gbuffer.normal, out.gbuffer.albedo, out.gbuffer.material, out.gbuffer.emissive,
-        out.gbuffer.velocity, out.direct.diffuse, out.direct.specular, out.direct.radiance, out.gi.visibility,
-        out.gi.bent, out.gi.gi, out.gi.ambient, out.lit})
+        out.gbuffer.velocity, out.direct.diffuse, out.direct.specular, out.direct.radiance, out.gi_raw.visibility,
+        out.gi_raw.bent, out.gi_raw.gi, out.gi_raw.ambient, out.gi.visibility, out.gi.bent, out.gi.gi, out.gi.ambient,
+        out.lit})
     graph.optional(offered);
   return out;
 }

@@ -6,8 +6,10 @@
 
 #include "accumulate.h"
 #include "aov.h"
+#include "denoise.h"
 #include "gi/techniques.h"
 #include "graph/executor.h"
+#include "taa.h"
 #include "view.h"
 
 namespace nf::passes {
@@ -20,9 +22,16 @@ struct FrameSettings {
   LightParams lights;
   ShadowParams shadow;
   TonemapParams tonemap;
+  // Reconstruction runs as its parameters say, or, for who measures the technique itself, not at all.
+  bool reconstruct = false;
+  TemporalParams temporal;
+  DenoiseParams denoise;
+  TaaParams taa;
 
   // Tables of everything, for --set, presets and help.
   std::vector<ParamBlock> blocks();
+  // Every stage of reconstruction off, each by its own parameter: a later assignment can switch it on again.
+  void switch_off_reconstruction();
 };
 
 // Applies the technique's paper form to the parameters. Throws nf::Error (Exit::Usage) when it has none.

@@ -28,7 +28,9 @@ struct FrameView {
   scene::Camera camera, previous_camera;
   glm::uvec2 size{1};
   uint32_t frame_index = 0, seed = 1;
-  glm::vec2 jitter{0};  // pixels
+  glm::vec2 jitter{0}, previous_jitter{0};  // pixels
+  // Whether someone averages the frames: else sampling noise is the same in each, unless reconstruction averages them.
+  bool averaged = true;
 };
 
 // A constant environment's radiance comes from the scene.

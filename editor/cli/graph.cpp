@@ -46,7 +46,7 @@ Command add_graph(CLI::App& parent) {
       "  nearfield graph scene.glb --format dot | dot -Tsvg > frame.svg");
   return {app, [state] {
             start_log(*state);
-            passes::FrameSettings settings = make_settings(*state);
+            passes::FrameSettings settings = make_settings(*state, Reconstruction::Default);
             const passes::Technique* other = state->diff.empty() ? nullptr : &passes::find_technique(state->diff);
             passes::FrameView view;
             view.size = parse_size(state->size);

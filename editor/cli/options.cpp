@@ -176,8 +176,10 @@ gpu::DeviceOptions device_options(const CommonOptions& o) {
   return {.select = o.device, .validation = o.validation};
 }
 
-passes::FrameSettings make_settings(CommonOptions& o) {
+passes::FrameSettings make_settings(CommonOptions& o, Reconstruction reconstruction) {
   passes::FrameSettings settings;
+  settings.reconstruct = reconstruction != Reconstruction::None;
+  if (reconstruction == Reconstruction::IfSet) settings.switch_off_reconstruction();
   const json values = o.preset.empty() ? json::object() : read_preset(o);
   if (!o.technique.empty()) settings.technique = &passes::find_technique(o.technique);
   if (o.mode == "paper") set_paper_mode(settings);

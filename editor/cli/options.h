@@ -43,9 +43,12 @@ void start_log(const CommonOptions& options);
 
 // "640x360" to pixels, 1 to 16384 a side. Throws nf::Error (Exit::Usage).
 glm::uvec2 parse_size(const std::string& text);
+// Reconstruction: none, for who measures a technique; as the parameters say; the same with every stage off that neither
+// preset nor flags switch on.
+enum class Reconstruction : uint8_t { None, Default, IfSet };
 // Technique, mode, the preset's parameters and --set, in this order: what comes later wins. Applies the preset to
 // `options` too.
-passes::FrameSettings make_settings(CommonOptions& options);
+passes::FrameSettings make_settings(CommonOptions& options, Reconstruction reconstruction = Reconstruction::None);
 gpu::Timing parse_timing(const std::string& text);
 graph::ExecutorOptions executor_options(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);

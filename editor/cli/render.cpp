@@ -133,7 +133,9 @@ class RenderJob {
 
   int run() {
     const std::vector<Output> outputs = parse_outputs(o_);
-    const passes::FrameSettings settings = make_settings(o_);
+    const passes::FrameSettings settings =
+        make_settings(o_, o_.accumulate ? Reconstruction::IfSet : Reconstruction::Default);
+    view_.averaged = o_.accumulate;
     view_.size = parse_size(o_.size);
     view_.seed = o_.seed;
     std::vector<const passes::Aov*> layers = parse_layers(o_, outputs);

@@ -10,6 +10,8 @@ struct GiResult {
   graph::Tex bent;        // RGBA16F, mean unoccluded direction, view space
   graph::Tex gi;          // RGBA16F, irradiance / pi of bounced and emitted light
   graph::Tex ambient;     // RGBA16F, irradiance / pi of the environment
+
+  bool any() const { return visibility || bent || gi || ambient; }
 };
 
 }  // namespace nf::passes
