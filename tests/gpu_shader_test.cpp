@@ -59,7 +59,8 @@ gpu::ShaderCompiler engine_compiler(bool storage, const std::filesystem::path& c
 gpu::Defines vbgi_defines() {
   const passes::GiParams shared;
   const passes::VbgiParams own;
-  return passes::GiPipelines::defines({{"GI", shared.table(), &shared}, {"BITMASK", own.table(), &own}});
+  return passes::GiPipelines::defines({{"GI", shared.table(), &shared}, {"BITMASK", own.table(), &own}},
+                                      passes::slice_defines(shared));
 }
 
 TEST(Shaders, BothWaysToFetchCompile) {

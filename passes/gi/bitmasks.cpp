@@ -12,10 +12,10 @@ struct Names {
 template <class Params>
 GiResult add_bitmask(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
                      const Params& params, const char* file, const Names& names, const char* help) {
-  gpu::Defines maps;
-  if (in.environment.any() && params.ambient) maps.emplace_back("ENVIRONMENT_MAP", "1");
+  gpu::Defines more = slice_defines(shared);
+  if (in.environment.any() && params.ambient) more.emplace_back("ENVIRONMENT_MAP", "1");
   const gpu::Pipeline pipeline =
-      pipelines.compute(file, {{"GI", GiParams::table(), &shared}, {"BITMASK", Params::table(), &params}}, maps);
+      pipelines.compute(file, {{"GI", GiParams::table(), &shared}, {"BITMASK", Params::table(), &params}}, more);
   const auto has = [&](const char* slot) { return pipeline.interface->find(slot) != nullptr; };
   const graph::Size size = in.gbuffer.size;
   const graph::ImageDesc color{size, VK_FORMAT_R16G16B16A16_SFLOAT};

@@ -1,4 +1,6 @@
 // Horizon techniques: hbao (by solid angle) and gtao (by projected solid angle).
+#include <string>
+
 #include "gi/slices.h"
 
 namespace nf::passes {
@@ -11,8 +13,8 @@ struct Names {
 template <class Params>
 GiResult add_horizons(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
                       const Params& params, const char* file, const Names& names, const char* help) {
-  const gpu::Pipeline pipeline =
-      pipelines.compute(file, {{"GI", GiParams::table(), &shared}, {"HORIZON", Params::table(), &params}});
+  const gpu::Pipeline pipeline = pipelines.compute(
+      file, {{"GI", GiParams::table(), &shared}, {"HORIZON", Params::table(), &params}}, slice_defines(shared));
   const graph::Size size = in.gbuffer.size;
   GiResult out;
   out.visibility = graph.image(names.visibility, {size, VK_FORMAT_R16_SFLOAT});
@@ -33,6 +35,11 @@ GiResult add_horizons(graph::Graph& graph, GiPipelines& pipelines, const GiInput
 }
 
 }  // namespace
+
+gpu::Defines slice_defines(const GiParams& shared) {
+  const int whole = int(shared.step_exponent);
+  return {{"STEP_EXPONENT", float(whole) == shared.step_exponent ? std::to_string(whole) : "0"}};
+}
 
 GiResult add_hbao(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& inputs, const GiParams& shared,
                   const HbaoParams& params) {

@@ -8,11 +8,8 @@
 #define MASK_WORDS 1
 #endif
 
-// Bits [0, n). The clamp keeps the shift count in 0..31: a shift by 32 is undefined in GLSL, SPIR-V and C++.
-uint low_mask(int n) {
-  uint bits = 0xFFFFFFFFu >> uint(32 - clamp(n, 1, 32));
-  return n <= 0 ? 0u : bits;
-}
+// Bits [0, n). The shift count stays in 0..31: a shift by 32 is undefined in GLSL, SPIR-V and C++.
+uint low_mask(int n) { return (n > 31 ? 0u : 1u << uint(clamp(n, 0, 31))) - 1u; }
 
 // Bits [a, b); empty when a >= b.
 uint sector_mask(int a, int b) { return low_mask(b) & ~low_mask(a); }

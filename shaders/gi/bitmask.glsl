@@ -41,12 +41,13 @@ struct Estimate {
 
 // --- where a direction lies on the sectors ---
 
-// Position, in sectors, of the angle with sine s on one side of a slice: constant + linear s + square s^2 + curve k(s), where
-// k is K(s), asin(s) or sqrt(1 - s^2) as the measure has it.
+// Position, in sectors, of the angle with sine s on one side of a slice: constant + linear s + square s^2 + cube s^3 + curve k(s),
+// where k is s^5, asin(s) or sqrt(1 - s^2) as the measure has it.
 struct Scale {
   float constant;
   float linear;
   float square;
+  float cube;
   float curve;
 };
 
@@ -55,12 +56,15 @@ Scale make_scale(Slice slice, float total, float sign, float noise) {
   scale.constant = 0.5f;
   scale.linear = 0.0f;
   scale.square = 0.0f;
+  scale.cube = 0.0f;
   scale.curve = 0.0f;
   if (BITMASK_SECTOR_MEASURE == MEASURE_COSINE) {
     Measure measure = make_measure(slice.cos_gamma, slice.sin_gamma, total);
     scale.constant = measure.constant;
+    scale.linear = -measure.c1 * K1;
     scale.square = measure.c0;
-    scale.curve = -measure.c1;
+    scale.cube = -measure.c1 * K3;
+    scale.curve = -measure.c1 * K5;
   } else if (BITMASK_SECTOR_MEASURE == MEASURE_SOLID_ANGLE) {
     scale.constant = 1.0f + 0.5f * slice.sin_gamma;
     scale.linear = -0.5f * slice.sin_gamma;
@@ -74,12 +78,14 @@ Scale make_scale(Slice slice, float total, float sign, float noise) {
   scale.constant = (sign > 0.0f ? 0.0f : float(SECTOR_COUNT)) + noise + sectors * scale.constant;
   scale.linear *= sectors;
   scale.square *= sectors;
+  scale.cube *= sectors;
   scale.curve *= sectors;
   return scale;
 }
 
 float sector_position(Scale scale, float s) {
-  if (BITMASK_SECTOR_MEASURE == MEASURE_COSINE) return scale.constant + scale.square * s * s + scale.curve * slice_k(s);
+  if (BITMASK_SECTOR_MEASURE == MEASURE_COSINE)  // with K(s) multiplied out by make_scale
+    return scale.constant + s * (scale.linear + s * (scale.square + s * (scale.cube + s * s * scale.curve)));
   if (BITMASK_SECTOR_MEASURE == MEASURE_SOLID_ANGLE)
     return scale.constant + scale.linear * s + scale.curve * sqrt(max(1.0f - s * s, 0.0f));
   if (BITMASK_SECTOR_MEASURE == MEASURE_SINE) return scale.constant + scale.linear * s;

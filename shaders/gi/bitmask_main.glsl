@@ -38,7 +38,7 @@ vec3 environment_over(vec3 normal) {
 #include "gi/bitmask.glsl"
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 pixel = dispatch_pixel();
   if (pixel.x >= frame.size.x || pixel.y >= frame.size.y) return;
   Estimate estimate = estimate_bitmask(pixel);
   imageStore(visibility, pixel, vec4(estimate.visibility));

@@ -12,7 +12,7 @@ uniform texture2D albedo;
 #include "gi/horizon.glsl"
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 pixel = dispatch_pixel();
   if (pixel.x >= frame.size.x || pixel.y >= frame.size.y) return;
   Openness open = estimate_horizons(pixel);
 #if HORIZON_MULTI_BOUNCE

@@ -115,6 +115,13 @@ float step_power(float x, vec3 parts) {
   return x * (1.0f + parts.x * less) * (1.0f + parts.y * less) * (1.0f + parts.z * less);
 }
 
+// A whole exponent may be known to the compiler: STEP_EXPONENT, else 0.
+float step_share(float x, vec3 parts) {
+  if (STEP_EXPONENT == 1) return x;
+  if (STEP_EXPONENT == 2) return x * x;
+  return step_power(x, parts);
+}
+
 // Where the steps of a march are, as shares of its length.
 struct Steps {
   int count;
@@ -135,7 +142,7 @@ Steps make_steps() {
 Tap take_tap(Receiver receiver, Side side, Steps steps, int i) {
   float x = (float(i) + steps.base + (GI_STEP_JITTER != 0 ? rotated(side.noise, i) : 0.0f)) * steps.scale;
   // Not nearer than one pixel: the nearest texel is then never the receiver.
-  float distance_in_pixels = 1.0f + (side.pixels - 1.0f) * step_power(x, steps.parts);
+  float distance_in_pixels = 1.0f + (side.pixels - 1.0f) * step_share(x, steps.parts);
   Tap tap;
   tap.offset = floor(side.direction * distance_in_pixels + 0.5f);
   tap.texel = receiver.pixel + ivec2(tap.offset);
