@@ -301,7 +301,9 @@ void gather_regions(Slice slice, Scale front_scale, Scale back_scale, float weig
     float c = i == regions ? 0.0f : cos(theta);
     float position = s >= slice.sin_gamma ? sector_position(front_scale, s) : sector_position(back_scale, -s);
     vec2 moment = slice_moment(slice, s, c);
-    Range range = sector_range(last_position, position);
+    Range range;  // regions meet, whatever the rule for samples
+    range.first = int(floor(last_position));
+    range.last = int(floor(position));
     float counted = 0.0f;
     for (int word = 0; word < MASK_WORDS; ++word)
       counted += word_worth(range_word(range, word) & (covered.words[word] ^ flip), word);
