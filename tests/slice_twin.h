@@ -54,7 +54,6 @@ inline std::function<glm::vec3(glm::vec3)> environment_from = [](glm::vec3) { re
 #define GI_SLICE_MEASURE gi.slice_measure
 #define GI_PROJECTION gi.projection
 #define GI_RADIUS_MODE gi.radius_mode
-#define STEP_EXPONENT 0
 #define GI_STEP_JITTER gi.step_jitter
 #define GI_THICKNESS_MODE gi.thickness_mode
 #define GI_BACK_ALONG gi.back_along

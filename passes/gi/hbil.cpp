@@ -1,12 +1,13 @@
 // HBIL.
 #include "gi/gather.h"
 #include "gi/hemisphere.h"
+#include "gi/slices.h"
 
 namespace nf::passes {
 
 GiResult add_hbil(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
                   const HbilParams& params) {
-  gpu::Defines defines;
+  gpu::Defines defines = slice_defines(shared);
   if (in.environment.any()) defines.emplace_back("ENVIRONMENT_MAP", "1");
   const gpu::Pipeline pipeline = pipelines.compute(
       "gi/hbil.comp", {{"GI", GiParams::table(), &shared}, {"HBIL", HbilParams::table(), &params}}, defines);

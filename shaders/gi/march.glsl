@@ -115,7 +115,10 @@ float step_power(float x, vec3 parts) {
   return x * (1.0f + parts.x * less) * (1.0f + parts.y * less) * (1.0f + parts.z * less);
 }
 
-// A whole exponent may be known to the compiler: STEP_EXPONENT, else 0.
+// A whole exponent may be known to the compiler.
+#ifndef STEP_EXPONENT
+#define STEP_EXPONENT 0
+#endif
 float step_share(float x, vec3 parts) {
   if (STEP_EXPONENT == 1) return x;
   if (STEP_EXPONENT == 2) return x * x;
