@@ -5,3 +5,6 @@ foreach(name gather_test hbil_test)
 endforeach()
 nf_test(gpu_gather_test nf_gpu_fixture LABELS gpu)
 target_include_directories(gpu_gather_test PRIVATE ${CMAKE_SOURCE_DIR}/shaders ${CMAKE_CURRENT_SOURCE_DIR})
+# The presets against their formulas.
+nf_test(preset_test nf_passes LABELS cpu)
+target_include_directories(preset_test PRIVATE ${CMAKE_SOURCE_DIR}/shaders ${CMAKE_CURRENT_SOURCE_DIR})
