@@ -1,9 +1,13 @@
 // The techniques through the GPU: open planes, what the C++ twins of the slice techniques make of the same texels, vbao
 // against gtao, and swaps through all of them.
+#include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "gpu_fixture.h"
+#include "reference/reference.h"
 #include "scene/camera.h"
+#include "scenes.h"
 #include "slice_twin.h"
 
 namespace nf::test {
@@ -191,6 +195,50 @@ TEST_F(Techniques, InfiniteThicknessIsGtaoAndSectorCountsConverge) {
   EXPECT_LT(at_64, at_8);
   EXPECT_GT(apart(gtao, visibility("vbao", {"vbao.sectors=128", "gi.thickness_mode=constant"})), 2.0 / 255)
       << "control";
+}
+
+// Behind the bars of a fence: a horizon takes each bar for a wall. The truth is path traced, with the same ball.
+TEST_F(Techniques, ThinBarsDarkenTheWallBehindLessWithBitmasks) {
+  const std::filesystem::path path = temporary("fence.glb");
+  const std::vector<uint8_t> bytes = content::fence();
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+  const scene::Scene scene = scene::load_gltf(path);
+  const uvec2 size(160, 90);
+  const scene::Camera camera = scene::select_view("", const_cast<scene::Scene&>(scene));
+  reference::Tracer tracer(
+      scene, {.camera = camera, .size = size, .radius = 2, .radius_mode = reference::RadiusMode::Ball, .lambert = true},
+      {"visibility"});
+  tracer.sample(64);
+  const std::vector<image::Layer> layers = tracer.layers();
+  const image::Image& truth =
+      std::find_if(layers.begin(), layers.end(), [](const image::Layer& l) { return l.name == "visibility"; })->image;
+  const auto render = [&](const char* id, std::initializer_list<const char*> assignments) {
+    passes::FrameSettings settings = settings_of(id, {"gi.radius=2", "gi.radius_mode=ball", "gi.slices=2",
+                                                      "gi.steps=64", "gi.step_exponent=1", "gi.thickness=0.03"});
+    for (const char* assignment : assignments) params::assign(settings.blocks(), assignment);
+    return shoot(scene, {.size = size, .camera = camera, .settings = settings, .frames = 8, .accumulate = true});
+  };
+  const Shot vbao = render("vbao", {}), gtao = render("gtao", {});
+  // The wall within a few texels of something in front of it.
+  double error[2] = {0, 0};
+  int count = 0;
+  for (int y = 4; y < 86; ++y)
+    for (int x = 4; x < 156; ++x) {
+      const float depth = vbao.value("depth", {x, y});
+      float nearest = depth;
+      for (int d = -4; d <= 4; ++d) nearest = std::min(nearest, vbao.value("depth", {x + d, y}));
+      if (nearest > depth - 0.2f || nearest <= 0) continue;
+      const auto off = [&](const Shot& shot) {
+        return double(shot.value("visibility", {x, y})) - double(truth.at(uint32_t(x), uint32_t(y), 0));
+      };
+      error[0] += off(vbao) * off(vbao), error[1] += off(gtao) * off(gtao);
+      ++count;
+    }
+  ASSERT_GT(count, 200);
+  const double rmse[] = {std::sqrt(error[0] / count), std::sqrt(error[1] / count)};
+  std::printf("visibility behind bars, %d texels, RMSE: vbao %.4f, gtao %.4f\n", count, rmse[0], rmse[1]);
+  EXPECT_LE(rmse[0], 0.6 * rmse[1]);
 }
 
 // Every technique in every form, a new one every few frames, among them sizes that no group fills: silent (TearDown)

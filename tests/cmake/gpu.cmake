@@ -9,5 +9,6 @@ foreach(name gpu_frame_test gpu_robust_test gpu_graph_test gpu_graph_use_test gp
     nf_test(${name} nf_gpu_fixture LABELS gpu)
   endif()
 endforeach()
+target_link_libraries(gpu_techniques_test PRIVATE nf_reference)
 target_include_directories(gpu_techniques_test PRIVATE ${CMAKE_SOURCE_DIR}/shaders)
 target_link_libraries(gpu_motion_test PRIVATE meshoptimizer::meshoptimizer ${NF_DRACO})
