@@ -55,6 +55,7 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::
   shadow_ = create_shadow(*pipelines_, *tables_);
   environment_ = create_environment(device, scene.environment);
   lighting_ = create_lighting(*pipelines_, environment_.any());
+  blend_ = create_blend(*pipelines_, *tables_, environment_.any());
   gi_ = std::make_unique<GiPipelines>(*pipelines_);
   noise_ = std::make_unique<Noise>(device, cache);
   aovs_ = create_aovs(*pipelines_, environment_.any());
@@ -88,15 +89,18 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
   if (!view.averaged && !temporal && !taa) view.frame_index = 0;
   const FrameBlock frame = make_frame_block(view, scene_, settings.material);
   graph.share(frame);
-  tables_->build_draws(camera_draws_, scene::frustum_from_clip(frame.jittered_clip_from_world), view.camera.position);
-  const ShadowPlan shadows = plan_shadows(view.camera, view.size, scene_, settings.shadow);
+  const Blending blending = Blending(settings.material.blend);
+  tables_->build_draws(camera_draws_, scene::frustum_from_clip(frame.jittered_clip_from_world), view.camera.position,
+                       blending);
+  const ShadowPlan shadows = plan_shadows(view.camera, view.size, scene_, settings.shadow, blending);
   lights_->update(scene_, view.camera, view.size, view.jitter, shadows, settings.lights);
 
   FrameOutputs out;
   const graph::Buf deformed = add_deform(graph, deform_, *tables_);
   out.gbuffer = add_gbuffer(graph, gbuffer_, {view.size.x, view.size.y}, *tables_, camera_draws_, deformed);
   const ShadowMaps maps = add_shadows(graph, shadow_, settings.shadow, shadows, *tables_, shadow_draws_, deformed);
-  out.direct = add_direct(graph, lighting_, out.gbuffer, shadows, maps, *lights_, {settings.shadow, settings.lights});
+  const DirectLights lights{shadows, maps, *lights_, settings.shadow, settings.lights};
+  out.direct = add_direct(graph, lighting_, out.gbuffer, lights);
   out.gi_raw = settings.technique->add(graph, *gi_, {out.gbuffer, out.direct, environment_, *noise_}, settings.gi);
   out.gi = out.gi_raw;
   const ReprojectBlock reproject = make_reproject_block(view);
@@ -112,6 +116,7 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
     out.gi = add_denoise(graph, *pipelines_, out.gbuffer, out.gi, moments, settings.denoise, settings.temporal);
   }
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_, environment_);
+  add_blend(graph, blend_, out.lit, out.gbuffer, lights, *tables_, camera_draws_, deformed, environment_);
   if (taa) out.lit = add_taa(graph, *pipelines_, out.gbuffer, reproject, out.lit, settings.taa);
   // What a frame offers. Whoever runs it reads what he wants to see.
   for (const graph::Tex offered :

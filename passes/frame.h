@@ -6,6 +6,7 @@
 
 #include "accumulate.h"
 #include "aov.h"
+#include "blend.h"
 #include "denoise.h"
 #include "gi/techniques.h"
 #include "graph/executor.h"
@@ -72,6 +73,7 @@ class Renderer {
   GBufferPass gbuffer_;
   ShadowPass shadow_;
   LightingPass lighting_;
+  BlendPass blend_;
   std::unique_ptr<GiPipelines> gi_;
   std::unique_ptr<Noise> noise_;
   AovPass aovs_;

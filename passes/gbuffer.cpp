@@ -22,8 +22,8 @@ GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size si
             .material = graph.image("gbuffer.material", {size, VK_FORMAT_R8G8B8A8_UNORM}),
             .emissive = graph.image("gbuffer.emissive", {size, VK_FORMAT_R16G16B16A16_SFLOAT}),
             .velocity = graph.image("gbuffer.velocity", {size, VK_FORMAT_R16G16_SFLOAT}),
+            .z = graph.image("gbuffer.z", {size, VK_FORMAT_D32_SFLOAT}),
             .size = size};
-  const graph::Tex z = graph.image("gbuffer.z", {size, VK_FORMAT_D32_SFLOAT});
   const graph::Buf instances = graph.import("scene.instances", scene.instances());
   const graph::Buf materials = graph.import("scene.materials", scene.materials());
 
@@ -37,7 +37,7 @@ GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size si
       .out("normal", g.normal, black)
       .out("emissive", g.emissive, black)
       .out("velocity", g.velocity, black)
-      .depth(z, 0.0f)
+      .depth(g.z, 0.0f)
       .draw([&scene, &draws](const graph::Recorder& r) { scene.draw(draws, DrawClass::Opaque, true, r); });
   const auto add_behind = [&](const char* name, gpu::Pipeline pipeline, const char* description, DrawClass draw_class) {
     if (!draws.has(draw_class)) return;
@@ -50,14 +50,14 @@ GBuffer add_gbuffer(graph::Graph& graph, const GBufferPass& pass, graph::Size si
         .out("normal", g.normal)
         .out("emissive", g.emissive)
         .out("velocity", g.velocity)
-        .depth(z)
+        .depth(g.z)
         .draw([&scene, &draws, draw_class](const graph::Recorder& r) { scene.draw(draws, draw_class, true, r); });
   };
   add_behind("gbuffer.masked", pass.masked, "The same for surfaces cut out by alpha", DrawClass::Masked);
   add_behind("gbuffer.mapped", pass.mapped, "The same for textures with transforms or other coordinates",
              DrawClass::Mapped);
   graph.fullscreen("gbuffer.linear_depth", pass.linear_depth, "Depth in metres, for everything that reads neighbours")
-      .in("depth", z)
+      .in("depth", g.z)
       .out("linear_depth", g.depth);
   return g;
 }

@@ -12,6 +12,7 @@ namespace nf::passes {
 // RG16F, pixels.
 struct GBuffer {
   graph::Tex depth, normal, albedo, material, emissive, velocity;
+  graph::Tex z;  // D32F, reverse-Z: what is drawn later is tested against it
   graph::Size size;
 };
 

@@ -21,13 +21,8 @@ LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
   LightingPass pass;
   for (int sun = 0; sun < 2; ++sun)
     for (int tiles = 0; tiles < 2; ++tiles)
-      for (int grid = 0; grid < 2; ++grid) {
-        gpu::Defines defines;
-        if (sun) defines.emplace_back("SUN_SHADOW", "1");
-        if (tiles) defines.emplace_back("TILE_SHADOWS", "1");
-        if (grid) defines.emplace_back("LIGHT_GRID", "1");
-        pass.direct[sun][tiles][grid] = pipelines.fullscreen("direct.frag", defines);
-      }
+      for (int grid = 0; grid < 2; ++grid)
+        pass.direct[sun][tiles][grid] = pipelines.fullscreen("direct.frag", light_defines(sun, tiles, grid));
   for (int gi = 0; gi < 2; ++gi)
     for (int open = 0; open < ambient_variants; ++open) {
       gpu::Defines defines = ambient_defines(open, environment_map);
@@ -38,31 +33,44 @@ LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
   return pass;
 }
 
-Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const ShadowPlan& shadows,
-                    const ShadowMaps& maps, const Lights& lights, const DirectParams& params) {
+gpu::Defines light_defines(bool sun_map, bool tile_maps, bool grid) {
+  gpu::Defines defines;
+  if (sun_map) defines.emplace_back("SUN_SHADOW", "1");
+  if (tile_maps) defines.emplace_back("TILE_SHADOWS", "1");
+  if (grid) defines.emplace_back("LIGHT_GRID", "1");
+  return defines;
+}
+
+void feed_lights(graph::Graph& graph, graph::PassBuilder& pass, const DirectLights& l) {
+  pass.in("light_rows", graph.import("lights.rows", *l.lights.rows))
+      .params(l.lights.view)
+      .params(l.light_params)
+      .params(l.shadows.sun);
+  if (l.maps.sun) pass.in("sun_map", l.maps.sun);
+  if (l.maps.tiles) pass.in("tile_maps", l.maps.tiles);
+  if (l.maps.sun || l.maps.tiles) pass.params(l.shadow_params);
+  if (l.lights.has_grid)
+    pass.in("cluster_first", graph.import("lights.cluster_first", *l.lights.cluster_first))
+        .in("cluster_lights", graph.import("lights.cluster_lights", *l.lights.cluster_lights));
+}
+
+Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const DirectLights& lights) {
   const Radiance out{graph.image("direct.diffuse", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
                      graph.image("direct.specular", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
                      graph.image("direct.radiance", {g.size, VK_FORMAT_R32_UINT})};
-  auto builder = graph.fullscreen("direct.light", pass.direct[maps.sun.valid()][maps.tiles.valid()][lights.has_grid],
+  const gpu::Pipeline pipeline =
+      pass.direct[lights.maps.sun.valid()][lights.maps.tiles.valid()][lights.lights.has_grid];
+  auto builder = graph.fullscreen("direct.light", pipeline,
                                   "Sun, point and spot lights: diffuse and specular, and the GI's source");
   builder.in("depth", g.depth)
       .in("normal", g.normal)
       .in("albedo", g.albedo)
       .in("material", g.material)
       .in("emissive", g.emissive)
-      .in("light_rows", graph.import("lights.rows", *lights.rows))
       .out("direct_diffuse", out.diffuse)
       .out("direct_specular", out.specular)
-      .out("radiance", out.radiance)
-      .params(lights.view)
-      .params(params.lights)
-      .params(shadows.sun);
-  if (maps.sun) builder.in("sun_map", maps.sun);
-  if (maps.tiles) builder.in("tile_maps", maps.tiles);
-  if (maps.sun || maps.tiles) builder.params(params.shadow);
-  if (lights.has_grid)
-    builder.in("cluster_first", graph.import("lights.cluster_first", *lights.cluster_first))
-        .in("cluster_lights", graph.import("lights.cluster_lights", *lights.cluster_lights));
+      .out("radiance", out.radiance);
+  feed_lights(graph, builder, lights);
   return out;
 }
 

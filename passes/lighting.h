@@ -33,13 +33,19 @@ struct LightingPass {
 // `environment_map`: the environment is not constant.
 LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map);
 
-struct DirectParams {
-  const ShadowParams& shadow;
-  const LightParams& lights;
+// What shaders with common/direct_light.glsl are given. `lights` must live until the graph has run.
+struct DirectLights {
+  const ShadowPlan& shadows;
+  const ShadowMaps& maps;
+  const Lights& lights;
+  const ShadowParams& shadow_params;
+  const LightParams& light_params;
 };
-// `lights` must live until the graph has run.
-Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const ShadowPlan& shadows,
-                    const ShadowMaps& maps, const Lights& lights, const DirectParams& params);
+// The defines of their variant, and its inputs.
+gpu::Defines light_defines(bool sun_map, bool tile_maps, bool grid);
+void feed_lights(graph::Graph& graph, graph::PassBuilder& pass, const DirectLights& lights);
+
+Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const DirectLights& lights);
 // RGBA16F, linear radiance before tone mapping.
 graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const Radiance& direct,
                          const GiResult& gi, const SceneTables& scene, const EnvironmentMaps& environment);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/parallel.h"
 #include "image/image.h"
 
 namespace nf::passes {
@@ -23,9 +24,9 @@ struct SrgbTables {
 
 }  // namespace
 
-std::vector<std::vector<uint8_t>> make_mips(const scene::Picture& picture) {
+MipChain make_mips(const scene::Picture& picture) {
   static const SrgbTables tables;
-  std::vector<std::vector<uint8_t>> levels{picture.rgba};
+  MipChain levels{picture.rgba};
   uint32_t width = picture.width, height = picture.height;
   while (width > 1 || height > 1) {
     const uint32_t w = std::max(width / 2, 1u), h = std::max(height / 2, 1u);
@@ -53,6 +54,12 @@ std::vector<std::vector<uint8_t>> make_mips(const scene::Picture& picture) {
     width = w, height = h;
   }
   return levels;
+}
+
+std::vector<MipChain> make_mips(std::span<const scene::Picture> pictures, std::span<const uint32_t> rows) {
+  std::vector<MipChain> chains(rows.size());
+  for_rows(uint32_t(rows.size()), 0, [&](uint32_t i) { chains[i] = make_mips(pictures[rows[i]]); });
+  return chains;
 }
 
 }  // namespace nf::passes

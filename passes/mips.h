@@ -1,6 +1,7 @@
 // Mip chains of pictures on the CPU, so that they are the same on every device.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "scene/scene.h"
@@ -8,6 +9,9 @@
 namespace nf::passes {
 
 // Levels from the full size to 1x1, RGBA8, box-filtered; sRGB pictures are averaged in linear light.
-std::vector<std::vector<uint8_t>> make_mips(const scene::Picture& picture);
+using MipChain = std::vector<std::vector<uint8_t>>;
+MipChain make_mips(const scene::Picture& picture);
+// Of the pictures of these rows, on all cores.
+std::vector<MipChain> make_mips(std::span<const scene::Picture> pictures, std::span<const uint32_t> rows);
 
 }  // namespace nf::passes

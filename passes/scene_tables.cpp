@@ -24,12 +24,13 @@ struct MaterialRow {
   glm::vec4 base_color;
   glm::vec3 emissive;
   float metallic, roughness, normal_scale, alpha_cutoff;
-  glm::ivec4 layers;  // base colour, metallic-roughness, normal, emissive; -1 = no texture
-  int32_t occlusion_layer;
-  float occlusion_strength, dielectric_f0;
+  uint32_t blended;
+  int32_t layers[material_textures];  // -1 = no texture
+  float occlusion_strength, ior_f0, specular;
+  glm::vec3 specular_color;
   uint32_t unlit, uv_sets;
-  glm::mat2 uv_linear[5];
-  glm::vec2 uv_offset[5];
+  glm::mat2 uv_linear[material_textures];
+  glm::vec2 uv_offset[material_textures];
 };
 
 VkSamplerAddressMode address(scene::Wrap wrap) {
@@ -41,12 +42,10 @@ VkFilter filter(scene::Filter f) {
   return f == scene::Filter::Linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
 }
 
-constexpr uint32_t texture_count = 5;
-
-// In the order of the shaders' bindings and of the first rows of scene::Slot.
-std::array<uint32_t, 5> textures_of(const scene::Material& m) {
-  return {m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.emissive_texture,
-          m.occlusion_texture};
+// In the order of the shaders' bindings and of scene::Slot.
+std::array<uint32_t, material_textures> textures_of(const scene::Material& m) {
+  return {m.base_color_texture, m.metallic_roughness_texture, m.normal_texture,        m.emissive_texture,
+          m.occlusion_texture,  m.specular_texture,           m.specular_color_texture};
 }
 
 bool is_mapped(const scene::Material& m) {
@@ -56,23 +55,21 @@ bool is_mapped(const scene::Material& m) {
   return false;
 }
 
-// KHR_materials_ior and KHR_materials_specular, as one number: the strongest channel of the specular colour.
-float dielectric_f0(const scene::Material& m) {
-  const float r = (m.ior - 1) / (m.ior + 1);
-  const float tint = std::max({m.specular_color.x, m.specular_color.y, m.specular_color.z});
-  return std::min(r * r * tint, 1.0f) * m.specular;
-}
-
 }  // namespace
 
-// Blended surfaces are drawn as cut-outs; sorted blending is not part of the deferred frame.
-DrawClass draw_class_of(const scene::Material& m) {
+DrawClass draw_class_of(const scene::Material& m, Blending blending) {
+  if (m.alpha == scene::AlphaMode::Blend && blending == Blending::Over) return DrawClass::Blended;
   if (is_mapped(m)) return DrawClass::Mapped;
   return m.alpha == scene::AlphaMode::Opaque ? DrawClass::Opaque : DrawClass::Masked;
 }
 
 bool DrawList::has(DrawClass draw_class) const {
   return std::any_of(batches.begin(), batches.end(), [&](const Batch& b) { return b.draw_class == draw_class; });
+}
+
+bool SceneTables::any_blended() const {
+  return std::any_of(scene_.materials.begin(), scene_.materials.end(),
+                     [](const scene::Material& m) { return m.alpha == scene::AlphaMode::Blend; });
 }
 
 std::span<const gpu::VertexStream> SceneTables::streams() {
@@ -128,14 +125,13 @@ void SceneTables::upload_textures() {
     const auto& [width, height, srgb] = key;
     for (size_t first = 0; first < members.size(); first += device_.facts.max_image_layers) {
       const size_t count = std::min<size_t>(device_.facts.max_image_layers, members.size() - first);
-      std::vector<std::vector<std::vector<uint8_t>>> chains;
+      const std::span<const uint32_t> rows = std::span(members).subspan(first, count);
+      const std::vector<MipChain> chains = make_mips(scene_.pictures, rows);
       std::vector<gpu::ImagePart> parts;
       for (uint32_t layer = 0; layer < count; ++layer) {
-        const uint32_t picture = members[first + layer];
-        picture_slots_[picture] = {uint32_t(arrays_.size()), layer};
-        chains.push_back(make_mips(scene_.pictures[picture]));
-        for (uint32_t mip = 0; mip < chains.back().size(); ++mip)
-          parts.push_back({mip, layer, std::as_bytes(std::span(chains.back()[mip]))});
+        picture_slots_[rows[layer]] = {uint32_t(arrays_.size()), layer};
+        for (uint32_t mip = 0; mip < chains[layer].size(); ++mip)
+          parts.push_back({mip, layer, std::as_bytes(std::span(chains[layer][mip]))});
       }
       const gpu::ImageInfo info{.extent = {width, height},
                                 .format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
@@ -166,7 +162,7 @@ VkSampler SceneTables::sampler_for(const scene::Sampler& wanted) {
 }
 
 uint32_t SceneTables::texture_set_for(const scene::Material& material) {
-  std::array<std::pair<uint32_t, VkSampler>, 5> key;
+  std::array<std::pair<uint32_t, VkSampler>, material_textures> key;
   const auto textures = textures_of(material);
   for (size_t i = 0; i < key.size(); ++i) {
     if (textures[i] == scene::none) {
@@ -184,15 +180,9 @@ uint32_t SceneTables::texture_set_for(const scene::Material& material) {
 
 void SceneTables::upload_materials() {
   std::vector<MaterialRow> rows;
-  uint32_t blended = 0;
   for (const scene::Material& m : scene_.materials) {
     material_sets_.push_back(texture_set_for(m));
-    glm::ivec4 layers(-1);
-    const auto textures = textures_of(m);
-    for (int i = 0; i < 4; ++i)
-      if (textures[size_t(i)] != scene::none)
-        layers[i] = int(picture_slots_[scene_.textures[textures[size_t(i)]].picture].layer);
-    blended += m.alpha == scene::AlphaMode::Blend;
+    const float reflected = (m.ior - 1) / (m.ior + 1);
     const float cutoff = m.alpha == scene::AlphaMode::Mask    ? m.alpha_cutoff
                          : m.alpha == scene::AlphaMode::Blend ? 0.5f
                                                               : 0.0f;
@@ -202,40 +192,40 @@ void SceneTables::upload_materials() {
                     .roughness = m.roughness,
                     .normal_scale = m.normal_scale,
                     .alpha_cutoff = cutoff,
-                    .layers = layers,
-                    .occlusion_layer = textures[4] == scene::none
-                                           ? -1
-                                           : int32_t(picture_slots_[scene_.textures[textures[4]].picture].layer),
+                    .blended = m.alpha == scene::AlphaMode::Blend,
+                    .layers = {},
                     .occlusion_strength = m.occlusion_strength,
-                    .dielectric_f0 = dielectric_f0(m),
+                    .ior_f0 = reflected * reflected,
+                    .specular = m.specular,
+                    .specular_color = m.specular_color,
                     .unlit = m.unlit,
                     .uv_sets = 0,
                     .uv_linear = {},
                     .uv_offset = {}};
+    const auto textures = textures_of(m);
     for (size_t i = 0; i < textures.size(); ++i) {
+      row.layers[i] =
+          textures[i] == scene::none ? -1 : int32_t(picture_slots_[scene_.textures[textures[i]].picture].layer);
       row.uv_sets |= m.mapping[i].set << i;
       row.uv_linear[i] = m.mapping[i].linear;
       row.uv_offset[i] = m.mapping[i].offset;
     }
     rows.push_back(row);
   }
-  if (blended)
-    log::warn("{} blended material{} drawn as cut-outs at alpha 0.5: this version has no transparency", blended,
-              blended == 1 ? "" : "s");
   materials_ = gpu::upload_table(device_, rows, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "scene.materials");
 
   std::vector<VkDescriptorSetLayoutBinding> bindings;
-  for (uint32_t i = 0; i < texture_count; ++i)
+  for (uint32_t i = 0; i < material_textures; ++i)
     bindings.push_back({.binding = i,
                         .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                         .descriptorCount = 1,
                         .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT});
   VkDescriptorSetLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                         .bindingCount = texture_count,
+                                         .bindingCount = material_textures,
                                          .pBindings = bindings.data()};
   NF_VK(vkCreateDescriptorSetLayout(device_.handle, &layout, nullptr, &set_layout_));
   const uint32_t count = std::max<uint32_t>(uint32_t(set_keys_.size()), 1);
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * texture_count};
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * material_textures};
   VkDescriptorPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                   .maxSets = count,
                                   .poolSizeCount = 1,
@@ -248,9 +238,9 @@ void SceneTables::upload_materials() {
                                          .pSetLayouts = &set_layout_};
     VkDescriptorSet set = VK_NULL_HANDLE;
     NF_VK(vkAllocateDescriptorSets(device_.handle, &allocate, &set));
-    VkDescriptorImageInfo infos[texture_count];
-    VkWriteDescriptorSet writes[texture_count];
-    for (uint32_t i = 0; i < texture_count; ++i) {
+    VkDescriptorImageInfo infos[material_textures];
+    VkWriteDescriptorSet writes[material_textures];
+    for (uint32_t i = 0; i < material_textures; ++i) {
       infos[i] = {key[i].second, arrays_[key[i].first].view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
       writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                    .dstSet = set,
@@ -259,7 +249,7 @@ void SceneTables::upload_materials() {
                    .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                    .pImageInfo = &infos[i]};
     }
-    vkUpdateDescriptorSets(device_.handle, texture_count, writes, 0, nullptr);
+    vkUpdateDescriptorSets(device_.handle, material_textures, writes, 0, nullptr);
     sets_.push_back(set);
   }
 }
@@ -292,7 +282,7 @@ void SceneTables::update(const scene::Changes& changes) {
   instances_.update<InstanceRow>(changes.instances, [&](uint32_t i) { return instance_row(scene_, deform_, i); });
 }
 
-void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const {
+void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye, Blending blending) const {
   const scene::Instances& instances = scene_.instances;
   std::vector<uint32_t> visible;
   scene::cull(frustum, instances.center, instances.extent, visible);
@@ -310,8 +300,13 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
     uint32_t distance_bits;
     const float distance = glm::dot(to, to);
     std::memcpy(&distance_bits, &distance, sizeof distance_bits);  // positive floats order as their bits
-    const uint64_t batch = uint64_t(draw_class_of(m)) << 30 | uint64_t(material_sets_[material]) << 2 |
-                           uint64_t(m.double_sided) << 1 | uint64_t(instances.mirrored[i] != 0);
+    const DrawClass draw_class = draw_class_of(m, blending);
+    uint64_t batch = uint64_t(draw_class) << 30;
+    if (draw_class == DrawClass::Blended)
+      distance_bits = ~distance_bits;
+    else
+      batch |= uint64_t(material_sets_[material]) << 2 | uint64_t(m.double_sided) << 1 |
+               uint64_t(instances.mirrored[i] != 0);
     keyed.push_back({batch << 32 | distance_bits, i});
   }
   std::sort(keyed.begin(), keyed.end(),
@@ -339,11 +334,10 @@ void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm
                    .firstIndex = p.first_index,
                    .vertexOffset = int32_t(p.vertex_offset),
                    .firstInstance = i};
-    if (n == 0 || keyed[n].key >> 32 != keyed[n - 1].key >> 32) {
-      const scene::Material& m = scene_.materials[p.material];
-      list.batches.push_back(
-          {draw_class_of(m), m.double_sided, instances.mirrored[i] != 0, material_sets_[p.material], base + n, 0});
-    }
+    const scene::Material& m = scene_.materials[p.material];
+    const Batch batch{draw_class_of(m, blending), m.double_sided, instances.mirrored[i] != 0,
+                      material_sets_[p.material], base + n,       0};
+    if (n == 0 || !batch.same_state(list.batches.back())) list.batches.push_back(batch);
     ++list.batches.back().draw_count;
   }
 }

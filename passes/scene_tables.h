@@ -17,9 +17,11 @@
 
 namespace nf::passes {
 
-// Mapped: textures with a transform or the second set of coordinates, cut out or not.
-enum class DrawClass : uint8_t { Opaque, Masked, Mapped };
-DrawClass draw_class_of(const scene::Material& material);
+// Mapped: textures with a transform or the second set of coordinates, cut out or not. Blended: over the finished frame.
+enum class DrawClass : uint8_t { Opaque, Masked, Mapped, Blended };
+// What is done with alphaMode BLEND: its own class, or cut out at alpha 0.5 as if it were MASK.
+enum class Blending : uint8_t { Over, CutOut };
+DrawClass draw_class_of(const scene::Material& material, Blending blending);
 enum class Sides : uint8_t { AsMaterial, Both };
 
 struct Batch {
@@ -27,7 +29,14 @@ struct Batch {
   bool double_sided, mirrored;
   uint32_t texture_set;
   uint32_t first_draw, draw_count;  // rows of the indirect buffer
+  bool same_state(const Batch& b) const {
+    return draw_class == b.draw_class && double_sided == b.double_sided && mirrored == b.mirrored &&
+           texture_set == b.texture_set;
+  }
 };
+
+// Bindings of a material's texture set.
+inline constexpr uint32_t material_textures = uint32_t(scene::Slot::Count);
 
 // One view's draws: the camera's, or a shadow's.
 struct DrawList {
@@ -45,9 +54,9 @@ class SceneTables {
   SceneTables(const SceneTables&) = delete;
   SceneTables& operator=(const SceneTables&) = delete;
 
-  // Culls against the frustum, sorts (batch, then front to back from `eye`) and writes the indirect commands of this
-  // frame.
-  void build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye) const;
+  // Culls against the frustum, sorts (batch, then front to back from `eye`; blended surfaces back to front) and writes
+  // the indirect commands of this frame.
+  void build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye, Blending blending) const;
   void destroy_list(DrawList& list) const;
 
   // Copies what an update of the scene has changed; at most once a frame.
@@ -57,6 +66,7 @@ class SceneTables {
   void draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder,
             Sides sides = Sides::AsMaterial) const;
 
+  bool any_blended() const;  // a material with alphaMode BLEND
   VkDescriptorSetLayout material_set_layout() const { return set_layout_; }
   const gpu::Buffer& positions() const { return streams_[0]; }
   const gpu::Buffer& normals() const { return streams_[1]; }
@@ -88,7 +98,7 @@ class SceneTables {
   std::vector<gpu::Image> arrays_;        // row 0: one white texel, for materials without a texture
   std::vector<ArraySlot> picture_slots_;  // by scene picture
   std::vector<std::pair<scene::Sampler, VkSampler>> samplers_;
-  std::vector<std::array<std::pair<uint32_t, VkSampler>, 5>> set_keys_;
+  std::vector<std::array<std::pair<uint32_t, VkSampler>, material_textures>> set_keys_;
   std::vector<VkDescriptorSet> sets_;
   std::vector<uint32_t> material_sets_;  // by material
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;

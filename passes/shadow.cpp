@@ -152,14 +152,15 @@ glm::mat4 clip_from_tile(const ShadowTile& tile) {
 }
 
 ShadowPlan plan_shadows(const scene::Camera& camera, glm::uvec2 size, const scene::Scene& scene,
-                        const ShadowParams& params) {
+                        const ShadowParams& params, Blending blending) {
   ShadowPlan plan;
+  plan.blending = blending;
   plan.first_tile.assign(scene.punctual.size(), -1);
   if (!scene.directional.empty()) plan.sun = fit_sun(camera, size, scene.bounds, scene.directional[0], params);
   if (params.enabled) choose_tiles(scene, camera.position, params, plan);
   for (const scene::Material& material : scene.materials) {
-    plan.masked |= draw_class_of(material) == DrawClass::Masked;
-    plan.mapped |= draw_class_of(material) == DrawClass::Mapped;
+    plan.masked |= draw_class_of(material, Blending::CutOut) == DrawClass::Masked;
+    plan.mapped |= draw_class_of(material, Blending::CutOut) == DrawClass::Mapped;
   }
   return plan;
 }
@@ -191,8 +192,8 @@ struct MapDraws {
 
 void add_map(graph::Graph& graph, const ShadowPass& pass, const MapNames& names, graph::TexPart map,
              const glm::mat4& clip_from_world, vec3 eye, const MapDraws& what, DrawList& draws) {
-  what.scene.build_draws(draws, scene::frustum_from_clip(clip_from_world), eye);
-  const ShadowViewBlock view{clip_from_world};
+  what.scene.build_draws(draws, scene::frustum_from_clip(clip_from_world), eye, Blending::CutOut);
+  const ShadowViewBlock view{clip_from_world, what.plan.blending == Blending::Over};
   const graph::Buf instances = graph.import("scene.instances", what.scene.instances());
   const DrawList* list = &draws;
   const SceneTables* tables = &what.scene;

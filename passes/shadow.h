@@ -47,7 +47,7 @@ inline constexpr uint32_t max_cascades = 4;
 NF_DECLARE_BLOCK(SunBlock, "sun", NF_SUN_FIELDS)
 
 // What a map is drawn with.
-#define NF_SHADOW_VIEW_FIELDS(F) F(Mat4, clip_from_world)
+#define NF_SHADOW_VIEW_FIELDS(F) F(Mat4, clip_from_world) F(Uint, blends)
 NF_DECLARE_BLOCK(ShadowViewBlock, "shadow_view", NF_SHADOW_VIEW_FIELDS)
 
 // Unit vectors with cross(right, down) = axis (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"). As in
@@ -74,12 +74,13 @@ struct ShadowPlan {
   SunBlock sun;
   std::vector<ShadowTile> tiles;
   std::vector<int32_t> first_tile;      // by punctual light; -1: unshadowed
-  bool masked = false, mapped = false;  // the scene has such surfaces (DrawClass)
+  bool masked = false, mapped = false;  // the scene has such surfaces (DrawClass; blended ones count as cut out)
+  Blending blending = Blending::Over;   // over: what is blended dims the light by its alpha
 };
 // Tiles go to the lights that give the camera's surroundings most light: intensity / (1 + squared distance), over the
 // share of the sphere that a cone is, and none past its range. In order of the scene's lights.
 ShadowPlan plan_shadows(const scene::Camera& camera, glm::uvec2 size, const scene::Scene& scene,
-                        const ShadowParams& params);
+                        const ShadowParams& params, Blending blending = Blending::Over);
 
 struct ShadowPass {
   gpu::Pipeline opaque, masked, mapped;

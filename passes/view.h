@@ -18,9 +18,11 @@ namespace nf::passes {
 // clang-format on
 NF_DECLARE_BLOCK(FrameBlock, "frame", NF_FRAME_FIELDS)
 
-#define NF_MATERIAL_PARAMS(P)   \
-  P(Bool, lambert, 0, 0, 1, "", \
-    "Every material becomes pure Lambert: diffuse = base colour, no specular, no normal maps")
+#define NF_MATERIAL_PARAMS(P)                                                                  \
+  P(Bool, lambert, 0, 0, 1, "",                                                                \
+    "Every material becomes pure Lambert: diffuse = base colour, no specular, no normal maps") \
+  P(Choice, blend, 0, 0, 1, "over|cutout",                                                     \
+    "Surfaces with alphaMode BLEND: over the finished frame, outside GI, or cut out at alpha 0.5")
 NF_DECLARE_PARAMS(MaterialParams, "material", NF_MATERIAL_PARAMS)
 
 // What the frame is made for: cameras of this and the last frame, size, clock.

@@ -13,6 +13,7 @@ layout(location = 5) in vec2 in_uv1;
 layout(location = 0) out vec2 uv0;
 layout(location = 1) out float alpha;
 layout(location = 2) flat out uint material_row;
+layout(location = 4) flat out uint instance_row;
 #ifdef MAPPED
 layout(location = 3) out vec2 uv1;
 #endif
@@ -31,5 +32,6 @@ void main() {
 #endif
   alpha = in_color.a;
   material_row = instance.material;
+  instance_row = uint(gl_InstanceIndex);
 #endif
 }

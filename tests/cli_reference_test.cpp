@@ -48,6 +48,44 @@ TEST_F(CliReferenceTest, WritesLayersAndWhatMadeThem) {
   EXPECT_EQ(written(), std::set<std::string>{"r.exr"});
 }
 
+// One triangle with a material of its own, and in two variants another.
+std::string triangle_with_variants() {
+  return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+  "extensionsUsed": ["KHR_materials_variants"],
+  "extensions": {"KHR_materials_variants": {"variants": [{"name": "Night"}, {"name": "Day trip"}]}},
+  "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1]}},
+                {"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0, 0, 1]}}],
+  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0, "extensions": {"KHR_materials_variants":
+    {"mappings": [{"material": 1, "variants": [1]}]}}}]}],
+  "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]}],
+  "bufferViews": [{"buffer": 0, "byteLength": 36}],
+  "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA"}]})";
+}
+
+TEST_F(CliReferenceTest, VariantsAreChosenByName) {
+  const std::string file = input("variants.gltf", triangle_with_variants());
+  const auto red = [&](const Words& words) {
+    Words all = {"reference", file, "--size", "9x9", "--spp", "2", "--aov", "albedo", "-o", out("r.exr")};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome o = run(all);
+    EXPECT_EQ(o.code, 0) << o.err;
+    for (const image::Layer& l : image::read_exr(out("r.exr")).layers)
+      if (l.name == "albedo") return l.image.at(4, 4, 0);
+    return -1.0f;
+  };
+  EXPECT_NEAR(red({}), 0.25f, 1e-5f);
+  EXPECT_NEAR(red({"--variant", "Night"}), 0.25f, 1e-5f) << "nothing changes in this one";
+  EXPECT_NEAR(red({"--variant", "Day trip"}), 0.5f, 1e-5f);
+  const Outcome info = run({"info", "--scene", file, "--json"});
+  EXPECT_EQ(info.json()["scene"]["variants"], nlohmann::json({"Night", "Day trip"})) << info.err;
+  std::filesystem::remove(out("r.exr"));
+  const Outcome unknown = run({"reference", file, "-o", out("r.exr"), "--variant", "day trip"});
+  EXPECT_EQ(unknown.code, 3);
+  EXPECT_NE(unknown.err.find("no variant 'day trip'"), std::string::npos) << unknown.err;
+  EXPECT_NE(unknown.err.find("'Night', 'Day trip'"), std::string::npos) << unknown.err;
+  fails(3, {"--variant", "Night"}, "has none; leave --variant away");
+}
+
 TEST_F(CliReferenceTest, TheSameCommandGivesTheSameBytes) {
   EXPECT_EQ(reference({"--spp", "4", "--threads", "1"}).code, 0);
   const image::ExrFile one = image::read_exr(out("r.exr"));

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/options.h"
+#include "cli/scene_input.h"
 #include "graph/dump.h"
-#include "scene/gltf.h"
 #include "scene/view.h"
 
 namespace nf::editor {
@@ -50,7 +50,7 @@ Command add_graph(CLI::App& parent) {
             const passes::Technique* other = state->diff.empty() ? nullptr : &passes::find_technique(state->diff);
             passes::FrameView view;
             view.size = parse_size(state->size);
-            scene::Scene scene = scene::load_gltf(state->scene);
+            scene::Scene scene = open_scene(state->scene, *state);
             view.camera = view.previous_camera = scene::select_view(state->view, scene);
             gpu::Device device(device_options(*state));
             passes::Renderer renderer(device, scene, executor_options(*state));

@@ -97,6 +97,7 @@ json scene_json(const std::string& path) {
           {"materials", s.materials.size()},
           {"pictures", s.pictures.size()},
           {"textures", s.textures.size()},
+          {"variants", s.variants},
           {"cameras", cameras},
           {"directional_lights", s.directional.size()},
           {"punctual_lights", s.punctual.size()},

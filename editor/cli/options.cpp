@@ -85,6 +85,8 @@ void add_picture_flags(CLI::App& app, CommonOptions& o) {
   app.add_option("--view", o.view,
                  "Camera: a view FILE.json (camera and lights), a camera's NAME in the scene, or its INDEX")
       ->envname("NEARFIELD_VIEW");
+  app.add_option("--variant", o.variant, "Materials of this variant (KHR_materials_variants; `nearfield info --scene`)")
+      ->type_name("NAME");
   app.add_option("--preset", o.preset, "JSON preset; flags win over it")
       ->type_name("FILE")
       ->envname("NEARFIELD_PRESET");

@@ -16,8 +16,8 @@ enum class ProgressMode { Auto, Bar, Plain, Json, None };
 struct CommonOptions {
   std::string device;
   std::string size = "1280x720";
-  std::string view, technique, mode, preset, log_file, timing = "serialize", progress = "auto", barriers = "merged",
-                                                       layouts = "exact", poison;
+  std::string view, variant, technique, mode, preset, log_file, timing = "serialize", progress = "auto",
+                                                                barriers = "merged", layouts = "exact", poison;
   std::vector<std::string> sets;
   uint32_t seed = 1;
   uint64_t order_seed = 0;

@@ -9,9 +9,9 @@
 
 #include "cli/progress.h"
 #include "cli/reference_options.h"
+#include "cli/scene_input.h"
 #include "core/log.h"
 #include "image/file.h"
-#include "scene/gltf.h"
 #include "scene/view.h"
 
 namespace nf::editor {
@@ -36,10 +36,10 @@ class ReferenceJob {
     check_output(o_.output, ".exr");
     if (!o_.json_file.empty() && o_.json_file != "-") check_output(o_.json_file, ".json");
     const passes::FrameSettings frame = make_settings(o_);
-    reference::Settings settings = tracer_settings(o_, frame.material.lambert != 0);
+    reference::Settings settings = tracer_settings(o_, frame.material);
     const std::vector<std::string> layers = reference::parse_layers(o_.aov, o_.bounces);
     check_kind(frame.gi.shared);
-    scene::Scene scene = scene::load_gltf(o_.scene);
+    scene::Scene scene = open_scene(o_.scene, o_);
     settings.camera = scene::select_view(o_.view, scene);
     start_ = Clock::now();
     if (o_.same_information) {

@@ -29,7 +29,7 @@ reference::RadiusMode parse_radius_mode(const std::string& text, reference::Radi
 
 }  // namespace
 
-reference::Settings tracer_settings(const ReferenceOptions& o, bool lambert) {
+reference::Settings tracer_settings(const ReferenceOptions& o, const passes::MaterialParams& material) {
   reference::Settings s;
   s.size = parse_size(o.size);
   s.bounces = o.bounces;
@@ -37,7 +37,8 @@ reference::Settings tracer_settings(const ReferenceOptions& o, bool lambert) {
   s.radius_mode = parse_radius_mode(o.radius_mode, reference::RadiusMode::Ball);
   s.falloff = o.falloff;
   s.bound_gi = o.bound_gi;
-  s.lambert = lambert;
+  s.lambert = material.lambert != 0;
+  s.blending = reference::Blending(material.blend);
   s.include_ambient = o.include_ambient;
   s.pixel_box = o.pixel == "box";
   s.sampler = o.sampler == "independent" ? reference::SamplerKind::Independent : reference::SamplerKind::Sobol;
@@ -143,7 +144,7 @@ void add_reference_flags(CLI::App& app, ReferenceOptions& o) {
   app.add_option("--threads", o.threads, "Threads (0: all); the bytes do not depend on it")
       ->check(CLI::Range(0u, 256u));
   add_picture_flags(app, o);
-  app.add_option("--set", o.sets, "Set a parameter; of use here: --set material.lambert=true")
+  app.add_option("--set", o.sets, "Set a parameter; of use here: --set material.lambert=true and material.blend=cutout")
       ->type_name("ID=VALUE")
       ->allow_extra_args(false);
   app.add_option("--precision", o.precision, "EXR channels")

@@ -28,7 +28,7 @@ void add_reference_flags(CLI::App& app, ReferenceOptions& options);
 std::string reference_help();
 
 // Without the camera. Throws nf::Error (Exit::Usage).
-reference::Settings tracer_settings(const ReferenceOptions& options, bool lambert);
+reference::Settings tracer_settings(const ReferenceOptions& options, const passes::MaterialParams& material);
 // Radius and thickness are the techniques' own unless given.
 reference::MarchSettings march_settings(const ReferenceOptions& options, const passes::GiParams& gi,
                                         const scene::Camera& camera);

@@ -10,11 +10,11 @@
 #include "capture/statistics.h"
 #include "cli/options.h"
 #include "cli/progress.h"
+#include "cli/scene_input.h"
 #include "core/log.h"
 #include "image/file.h"
 #include "image/image.h"
 #include "scene/animation.h"
-#include "scene/gltf.h"
 #include "scene/view.h"
 
 namespace nf::editor {
@@ -142,7 +142,7 @@ class RenderJob {
     const bool pictures = std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return !out.exr; });
     const bool each = std::any_of(outputs.begin(), outputs.end(), [](const Output& out) { return out.every_frame; });
 
-    scene::Scene scene = scene::load_gltf(o_.scene);
+    scene::Scene scene = open_scene(o_.scene, o_);
     scene::animate(scene, o_.time);
     view_.camera = view_.previous_camera = scene::select_view(o_.view, scene);
     gpu::Device device(device_options(o_));
@@ -366,6 +366,8 @@ Command add_render(CLI::App& parent) {
       ->type_name("FILE");
   add_render_flags(*app, *state);
   app->footer(
+      "Surfaces with alphaMode BLEND are drawn over the finished picture, outside GI and the other layers; "
+      "--set material.blend=cutout cuts them out instead.\n"
       "Examples:\n  nearfield render scene.glb -o a.png --size 640x360 --frames 8\n  nearfield render scene.glb --view "
       "view.json -o a.exr --aov all --frames 64 --accumulate");
   return {app, [state, app] {

@@ -47,7 +47,7 @@ VkSampler create_sampler(Device& device, VkFilter filter, VkSamplerAddressMode a
 bool same(const RasterState& a, const RasterState& b) {
   return a.streams.size() == b.streams.size() && a.depth_test == b.depth_test && a.depth_write == b.depth_write &&
          a.depth_compare == b.depth_compare && a.depth_bias == b.depth_bias &&
-         a.depth_bias_slope == b.depth_bias_slope && a.set1 == b.set1 &&
+         a.depth_bias_slope == b.depth_bias_slope && a.over == b.over && a.set1 == b.set1 &&
          std::equal(
              a.streams.begin(), a.streams.end(), b.streams.begin(),
              [](const VertexStream& x, const VertexStream& y) { return x.format == y.format && x.stride == y.stride; });
@@ -215,7 +215,15 @@ VkPipeline Pipelines::create(Row& row, std::span<const VkFormat> colors, VkForma
         .depthTestEnable = row.state.depth_test,
         .depthWriteEnable = row.state.depth_write,
         .depthCompareOp = row.state.depth_compare};
-    std::vector<VkPipelineColorBlendAttachmentState> blends(colors.size(), {.colorWriteMask = 0xf});
+    const VkPipelineColorBlendAttachmentState blend_one{.blendEnable = row.state.over,
+                                                        .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                        .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+                                                        .colorBlendOp = VK_BLEND_OP_ADD,
+                                                        .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                        .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+                                                        .alphaBlendOp = VK_BLEND_OP_ADD,
+                                                        .colorWriteMask = 0xf};
+    const std::vector<VkPipelineColorBlendAttachmentState> blends(colors.size(), blend_one);
     VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                               .attachmentCount = uint32_t(blends.size()),
                                               .pAttachments = blends.data()};

@@ -35,6 +35,7 @@ struct RasterState {
   bool depth_test = false, depth_write = false;
   VkCompareOp depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   float depth_bias = 0, depth_bias_slope = 0;
+  bool over = false;                            // colours are premultiplied and go over what is there
   VkDescriptorSetLayout set1 = VK_NULL_HANDLE;  // a static set beside the pushed one (materials)
 };
 

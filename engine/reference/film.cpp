@@ -74,12 +74,20 @@ vec3 gi_of(const PixelSample& sample, uint32_t bounces) {
   return sum;
 }
 
+vec3 final_radiance(const PixelSample& p, uint32_t bounces) {
+  const Surface& s = p.surface;
+  vec3 sum = p.hit ? p.direct_diffuse + p.direct_specular + p.ambient + s.emission + s.diffuse * gi_of(p, bounces)
+                   : p.background;
+  sum *= p.weight;
+  for (const PixelSample& before : p.blended) sum += final_radiance(before, bounces);
+  return sum;
+}
+
 vec3 value_of(const Slot& slot, const PixelSample& p) {
   const Surface& s = p.surface;
   switch (size_t(slot.info - infos)) {
     case 0:
-      return p.hit ? p.direct_diffuse + p.direct_specular + p.ambient + s.emission + s.diffuse * gi_of(p, slot.bounces)
-                   : p.background;
+      return final_radiance(p, slot.bounces);
     case 1:
       return p.direct_diffuse + p.direct_specular;
     case 2:

@@ -54,7 +54,8 @@ Lights::Lights(const World& world) : world_(world) {
     const WorldInstance& instance = world.instances()[row];
     const float power = luminance(instance.material->emissive);
     first_.push_back(scene::none);
-    if (!(power > 0)) continue;
+    // What is blended or unlit is found by rays alone.
+    if (!(power > 0) || instance.blended || instance.material->unlit) continue;
     first_.back() = uint32_t(densities_.size());
     const float brightness = power * mean_brightness(world, *instance.material);
     for (uint32_t t = 0; t < instance.primitive->index_count / 3; ++t) {

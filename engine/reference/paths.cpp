@@ -40,11 +40,12 @@ Reflected direct_light(const Integrator& it, const Surface& s, vec3 direction, S
     const float n_l = glm::dot(s.n, a.to_light);
     if (n_l <= 0 || is_black(a.irradiance) || glm::dot(s.ng, a.to_light) <= 0) continue;
     ++ray_count;
-    if (it.rays.blocked({start(s), a.to_light, 0, a.distance})) continue;
-    out.diffuse += a.irradiance * s.diffuse * (n_l / pi);
+    const float open = it.rays.open({start(s), a.to_light, 0, a.distance});
+    if (open == 0) continue;
+    out.diffuse += a.irradiance * s.diffuse * (open * n_l / pi);
     if (!is_black(s.f0)) {
       const vec3 l = glm::transpose(frame) * a.to_light;
-      out.specular += a.irradiance * reference::specular(s.f0, alpha_of(s.roughness), v, l);
+      out.specular += a.irradiance * open * reference::specular(s.f0, alpha_of(s.roughness), v, l);
     }
   }
   return out;
@@ -71,9 +72,10 @@ Emitted seen_emitter(const Integrator& it, const Surface& s, Stream& stream, uin
   if (cosine <= 0 || glm::dot(s.n, out.to_light) <= 0 || glm::dot(s.ng, out.to_light) <= 0) return out;
   const vec3 origin = start(s), end = e.position + e.ng * e.epsilon;
   ++ray_count;
-  if (it.rays.blocked({origin, end - origin, 0, 1})) return out;
+  const float open = it.rays.open({origin, end - origin, 0, 1});
+  if (open == 0) return out;
   out.density = e.density * distance2 / cosine;
-  out.radiance = e.radiance;
+  out.radiance = e.radiance * open;
   return out;
 }
 
@@ -180,7 +182,7 @@ void ambient_specular(const Integrator& it, vec3 direction, Stream& stream, Pixe
   const vec3 reflected = reference::specular(s.f0, alpha, v, l) * it.world.environment(out) / density;
   if (is_black(reflected)) return;
   ++ray_count;
-  if (!it.rays.blocked({start(s), out, 0, far_away})) sample.ambient += reflected;
+  sample.ambient += reflected * it.rays.open({start(s), out, 0, far_away});
 }
 
 // A vertex of the walk over all lobes. `all` is the light that a path carries, `diffuse` the part of it whose every
@@ -262,15 +264,10 @@ Ray camera_ray(const Settings& settings, vec2 pixel) {
   return {camera.position, world_from_view * in_view, camera.near, far_away};
 }
 
-PixelSample first_hit(const Integrator& it, const Ray& ray, uint64_t& ray_count) {
+namespace {
+
+PixelSample surface_sample(const Integrator& it, const Hit& hit, vec3 direction, uint64_t& ray_count) {
   PixelSample sample;
-  ++ray_count;
-  const Hit hit = it.rays.closest_seen(ray);
-  if (!hit.any()) {
-    sample.background = it.world.environment(glm::normalize(ray.direction));
-    return sample;
-  }
-  const vec3 direction = glm::normalize(ray.direction);
   sample.hit = true;
   sample.depth = hit.t;
   sample.surface = it.world.surface(hit, direction);
@@ -282,7 +279,29 @@ PixelSample first_hit(const Integrator& it, const Ray& ray, uint64_t& ray_count)
   return sample;
 }
 
+}  // namespace
+
+PixelSample first_hit(const Integrator& it, const Ray& ray, uint64_t& ray_count) {
+  std::vector<Hit> blended;
+  ++ray_count;
+  const Hit hit = it.rays.closest_seen(ray, &blended);
+  const vec3 direction = glm::normalize(ray.direction);
+  PixelSample sample;
+  if (hit.any())
+    sample = surface_sample(it, hit, direction, ray_count);
+  else
+    sample.background = it.world.environment(direction);
+  for (const Hit& before : blended) {
+    const float alpha = std::clamp(it.world.alpha(before.instance, before.triangle, before.u, before.v), 0.0f, 1.0f);
+    sample.blended.push_back(surface_sample(it, before, direction, ray_count));
+    sample.blended.back().weight = sample.weight * alpha;
+    sample.weight *= 1 - alpha;
+  }
+  return sample;
+}
+
 void gather(const Integrator& it, const Ray& ray, Stream& stream, PixelSample& sample, uint64_t& ray_count) {
+  for (PixelSample& before : sample.blended) gather(it, ray, stream, before, ray_count);
   if (!sample.hit) return;
   const vec3 direction = glm::normalize(ray.direction);
   if (it.wanted.direct && it.lights.soft()) {

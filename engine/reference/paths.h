@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "reference/lights.h"
 #include "reference/rays.h"
@@ -18,7 +19,9 @@ struct PixelSample {
   std::array<vec3, max_bounces> gi{};  // of paths with exactly k + 1 bounces
   vec3 specular{0};                    // over at least one specular bounce, and in no other field
   float visibility = 1;
-  vec3 bent{0};  // the open direction, or 0: their mean is the bent normal
+  vec3 bent{0};                      // the open direction, or 0: their mean is the bent normal
+  float weight = 1;                  // of this surface, or the background, in the final radiance
+  std::vector<PixelSample> blended;  // surfaces before it, each with its weight; in no other layer
 };
 
 // What is asked for; the rest need not be computed.

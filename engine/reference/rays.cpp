@@ -1,27 +1,78 @@
 // One Embree geometry an instance; its number is the instance's row.
 #include "reference/rays.h"
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <embree3/rtcore.h>
+#include <tuple>
 
 #include "core/error.h"
-#include "reference/reference.h"
+#include "reference/sampler.h"
 
 namespace nf::reference {
 namespace {
 
+enum class Kind : uint8_t { Any, Seen, Shadow };
+
 struct Context {
   RTCIntersectContext base;
   const World* world;
+  Kind kind = Kind::Any;
+  float open = 1;                       // Shadow: what the blended surfaces so far let through
+  Hit last;                             // Shadow: the one before
+  std::vector<Hit>* blended = nullptr;  // Seen: those that were passed
 };
 
+bool is_back(const WorldInstance& instance, const RTCFilterFunctionNArguments* args, unsigned int i) {
+  if (instance.material->double_sided) return false;
+  const vec3 normal(RTCHitN_Ng_x(args->hit, args->N, i), RTCHitN_Ng_y(args->hit, args->N, i),
+                    RTCHitN_Ng_z(args->hit, args->N, i));
+  const vec3 direction(RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
+                       RTCRayN_dir_z(args->ray, args->N, i));
+  return glm::dot(normal, direction) * instance.mirrored > 0;
+}
+
+// In [0, 1), of the ray and what it meets: the same wherever and whenever it is traced.
+float chance(const RTCFilterFunctionNArguments* args, unsigned int i, const Hit& hit) {
+  uint64_t key = uint64_t(hit.instance) << 32 | hit.triangle;
+  for (const float value : {RTCRayN_org_x(args->ray, args->N, i), RTCRayN_org_y(args->ray, args->N, i),
+                            RTCRayN_org_z(args->ray, args->N, i), RTCRayN_dir_x(args->ray, args->N, i),
+                            RTCRayN_dir_y(args->ray, args->N, i), RTCRayN_dir_z(args->ray, args->N, i)})
+    key = mix(key ^ std::bit_cast<uint32_t>(value));
+  return float(key >> 40) * 0x1p-24f;
+}
+
+// On the edge between two triangles a ray meets both, one after the other.
+bool is_same_point(const Hit& a, const Hit& b) {
+  return a.instance == b.instance && std::abs(a.t - b.t) <= 1e-5f * a.t;
+}
+
 // Both filters: a hit that does not count is undone by setting valid to 0.
-void skip_holes(const RTCFilterFunctionNArguments* args) {
-  const World& world = *static_cast<const World*>(args->geometryUserPtr);
+void filter_alpha(const RTCFilterFunctionNArguments* args) {
+  Context& context = *reinterpret_cast<Context*>(args->context);
+  const World& world = *context.world;
   for (unsigned int i = 0; i < args->N; ++i) {
     if (args->valid[i] == 0) continue;
-    const uint32_t instance = RTCHitN_geomID(args->hit, args->N, i), triangle = RTCHitN_primID(args->hit, args->N, i);
-    const float u = RTCHitN_u(args->hit, args->N, i), v = RTCHitN_v(args->hit, args->N, i);
-    if (world.hole(instance, triangle, u, v)) args->valid[i] = 0;
+    const Hit hit{RTCHitN_geomID(args->hit, args->N, i), RTCHitN_primID(args->hit, args->N, i),
+                  RTCRayN_tfar(args->ray, args->N, i), RTCHitN_u(args->hit, args->N, i),
+                  RTCHitN_v(args->hit, args->N, i)};
+    const WorldInstance& instance = world.instances()[hit.instance];
+    if (!instance.blended) {
+      if (world.hole(hit.instance, hit.triangle, hit.u, hit.v)) args->valid[i] = 0;
+      continue;
+    }
+    const float alpha = world.alpha(hit.instance, hit.triangle, hit.u, hit.v);
+    bool counts = false;
+    if (context.kind == Kind::Any) counts = chance(args, i, hit) < alpha;
+    if (context.kind == Kind::Shadow && !is_same_point(hit, context.last)) {
+      context.last = hit;
+      context.open *= 1 - std::clamp(alpha, 0.0f, 1.0f);
+      counts = context.open == 0;
+    }
+    if (context.kind == Kind::Seen && context.blended && alpha > 0 && !is_back(instance, args, i))
+      context.blended->push_back(hit);
+    if (!counts) args->valid[i] = 0;
   }
 }
 
@@ -29,13 +80,7 @@ void skip_backs(const RTCFilterFunctionNArguments* args) {
   const World& world = *reinterpret_cast<const Context*>(args->context)->world;
   for (unsigned int i = 0; i < args->N; ++i) {
     if (args->valid[i] == 0) continue;
-    const WorldInstance& instance = world.instances()[RTCHitN_geomID(args->hit, args->N, i)];
-    if (instance.material->double_sided) continue;
-    const vec3 normal(RTCHitN_Ng_x(args->hit, args->N, i), RTCHitN_Ng_y(args->hit, args->N, i),
-                      RTCHitN_Ng_z(args->hit, args->N, i));
-    const vec3 direction(RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
-                         RTCRayN_dir_z(args->ray, args->N, i));
-    if (glm::dot(normal, direction) * instance.mirrored > 0) args->valid[i] = 0;
+    if (is_back(world.instances()[RTCHitN_geomID(args->hit, args->N, i)], args, i)) args->valid[i] = 0;
   }
 }
 
@@ -84,10 +129,9 @@ Rays::Rays(const World& world) : state_(std::make_unique<State>(State{world})) {
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                index.data() + instance.primitive->first_index, 0, 3 * sizeof(uint32_t),
                                instance.primitive->index_count / 3);
-    if (instance.masked) {
-      rtcSetGeometryUserData(geometry, const_cast<World*>(&world));
-      rtcSetGeometryIntersectFilterFunction(geometry, skip_holes);
-      rtcSetGeometryOccludedFilterFunction(geometry, skip_holes);
+    if (instance.masked || instance.blended) {
+      rtcSetGeometryIntersectFilterFunction(geometry, filter_alpha);
+      rtcSetGeometryOccludedFilterFunction(geometry, filter_alpha);
     }
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(state_->scene, geometry, row);
@@ -105,26 +149,34 @@ Rays::~Rays() {
 }
 
 Hit Rays::closest(const Ray& ray) const {
-  Context context{{}, &state_->world};
+  Context context{{}, &state_->world, Kind::Any};
   rtcInitIntersectContext(&context.base);
   return trace(state_->scene, context, ray);
 }
 
-Hit Rays::closest_seen(const Ray& ray) const {
-  Context context{{}, &state_->world};
+Hit Rays::closest_seen(const Ray& ray, std::vector<Hit>* blended) const {
+  Context context{{}, &state_->world, Kind::Seen, 1, {}, blended};
   rtcInitIntersectContext(&context.base);
   context.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   context.base.filter = skip_backs;
-  return trace(state_->scene, context, ray);
+  const Hit hit = trace(state_->scene, context, ray);
+  if (blended) {
+    std::erase_if(*blended, [&](const Hit& b) { return hit.any() && b.t >= hit.t; });
+    std::sort(blended->begin(), blended->end(), [](const Hit& a, const Hit& b) {
+      return std::tie(a.t, a.instance, a.triangle) < std::tie(b.t, b.instance, b.triangle);
+    });
+    blended->erase(std::unique(blended->begin(), blended->end(), is_same_point), blended->end());
+  }
+  return hit;
 }
 
-bool Rays::blocked(const Ray& ray) const {
-  Context context{{}, &state_->world};
+float Rays::open(const Ray& ray) const {
+  Context context{{}, &state_->world, Kind::Shadow};
   rtcInitIntersectContext(&context.base);
   RTCRay query;
   fill(query, ray);
   rtcOccluded1(state_->scene, &context.base, &query);
-  return query.tfar < 0;
+  return query.tfar < 0 ? 0 : context.open;
 }
 
 }  // namespace nf::reference

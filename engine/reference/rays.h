@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "reference/world.h"
 
@@ -14,16 +15,19 @@ struct Ray {
 
 class Rays {
  public:
-  // Cut-outs let rays through their holes. Surfaces are solid from both sides but for camera rays, which pass through
-  // the backs of single-sided ones as a rasteriser does.
+  // Cut-outs let rays through their holes, blended surfaces those that a hash of the ray chooses, as many as their
+  // alpha says. Surfaces are solid from both sides but for camera rays, which pass through the backs of single-sided
+  // ones as a rasteriser does.
   explicit Rays(const World& world);
   ~Rays();
   Rays(const Rays&) = delete;
   Rays& operator=(const Rays&) = delete;
 
   Hit closest(const Ray& ray) const;
-  Hit closest_seen(const Ray& ray) const;  // a camera ray
-  bool blocked(const Ray& ray) const;
+  // A camera ray: it passes through blended surfaces; `blended` gets those before the hit, from near to far.
+  Hit closest_seen(const Ray& ray, std::vector<Hit>* blended = nullptr) const;
+  // The share of light that arrives: 0 behind something opaque, else the product of 1 - alpha.
+  float open(const Ray& ray) const;
 
  private:
   struct State;

@@ -25,6 +25,10 @@ enum class RadiusMode : uint8_t { Ball, BallFalloff, Disc };
 // Which of the two ways to find emissive surfaces is used; Both weighs them by the balance heuristic (Veach 1997, 9.2).
 enum class EmitterSampling : uint8_t { Both, Directions, Surfaces };
 
+// alphaMode BLEND, as material.blend. Over: rays pass or meet such a surface by its alpha; camera rays pass, so that
+// the layers are of what is behind, and the final radiance has it over that. CutOut: as MASK, at alpha 0.5.
+enum class Blending : uint8_t { Over, CutOut };
+
 inline constexpr uint32_t max_bounces = 16;
 
 struct Settings {
@@ -34,8 +38,9 @@ struct Settings {
   float radius = std::numeric_limits<float>::infinity();  // of `visibility` and `bent`, metres
   RadiusMode radius_mode = RadiusMode::Ball;
   float falloff = 0.615f;
-  bool bound_gi = false;         // gi, too, gathers only from surfaces within the radius, as techniques do
-  bool lambert = false;          // as material.lambert
+  bool bound_gi = false;  // gi, too, gathers only from surfaces within the radius, as techniques do
+  bool lambert = false;   // as material.lambert
+  Blending blending = Blending::Over;
   bool include_ambient = false;  // as feedback.include_ambient: gi also gathers the environment's light at the bounces
   bool pixel_box = false;        // average over the pixel; else its centre, where the G-buffer has its sample
   SamplerKind sampler = SamplerKind::Sobol;

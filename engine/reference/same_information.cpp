@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "reference/film.h"
-#include "reference/parallel.h"
 #include "reference/scatter.h"
 #include "scene/camera.h"
 

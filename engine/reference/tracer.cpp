@@ -2,9 +2,9 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "image/file.h"
 #include "reference/film.h"
-#include "reference/parallel.h"
 
 namespace nf::reference {
 namespace {
@@ -49,7 +49,8 @@ uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const Film& f
   f.add(scene.instances.primitive);
   for (const scene::Material& m : scene.materials) {
     f.add(m.base_color), f.add(m.metallic), f.add(m.roughness), f.add(m.emissive), f.add(m.normal_scale);
-    f.add(m.alpha_cutoff), f.add(m.alpha), f.add(m.double_sided);
+    f.add(m.alpha_cutoff), f.add(m.alpha), f.add(m.double_sided), f.add(m.unlit);
+    f.add(m.ior), f.add(m.specular), f.add(m.specular_color), f.add(m.mapping);
   }
   for (const scene::Picture& p : scene.pictures) f.add(p.rgba);
   f.add(scene.directional);
@@ -59,7 +60,7 @@ uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const Film& f
   f.add(e.width), f.add(e.texels), f.add(e.rotation);
   f.add(s.camera.position), f.add(s.camera.forward), f.add(s.camera.up), f.add(s.camera.vfov), f.add(s.camera.near);
   f.add(s.size), f.add(s.bounces), f.add(s.radius), f.add(s.radius_mode), f.add(s.falloff), f.add(s.bound_gi),
-      f.add(s.lambert);
+      f.add(s.lambert), f.add(s.blending);
   f.add(s.include_ambient), f.add(s.pixel_box), f.add(s.sampler), f.add(s.emitters), f.add(s.seed);
   for (const Slot& slot : film.slots) f.add(slot.name);
   return f.value();
@@ -69,7 +70,11 @@ uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const Film& f
 
 struct Tracer::State {
   State(const scene::Scene& scene, const Settings& s, const std::vector<std::string>& layers)
-      : settings(s), world(scene, s.lambert), rays(world), lights(world), film(make_film(layers, s.size, s.bounces)) {}
+      : settings(s),
+        world(scene, s.lambert, s.blending),
+        rays(world),
+        lights(world),
+        film(make_film(layers, s.size, s.bounces)) {}
 
   Settings settings;
   World world;

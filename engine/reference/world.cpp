@@ -10,8 +10,6 @@
 namespace nf::reference {
 namespace {
 
-constexpr float dielectric_f0 = 0.04f;
-
 float decoded(uint8_t value) {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> t{};
@@ -65,12 +63,13 @@ T between(const T& a, const T& b, const T& c, float u, float v) {
 
 }  // namespace
 
-World::World(const scene::Scene& scene, bool lambert) : scene_(scene), lambert_(lambert) {
+World::World(const scene::Scene& scene, bool lambert, Blending blending) : scene_(scene), lambert_(lambert) {
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     WorldInstance instance;
     instance.primitive = &scene.primitives[scene.instances.primitive[i]];
     instance.material = &scene.materials[instance.primitive->material];
-    instance.masked = instance.material->alpha != scene::AlphaMode::Opaque;
+    instance.blended = instance.material->alpha == scene::AlphaMode::Blend && blending == Blending::Over;
+    instance.masked = instance.material->alpha != scene::AlphaMode::Opaque && !instance.blended;
     const scene::mat4& world = scene.nodes.world[scene.instances.node[i]];
     instance.linear = mat3(world);
     const vec3 x(world[0]), y(world[1]), z(world[2]);
@@ -108,23 +107,34 @@ vec4 World::texture(uint32_t row, vec2 uv) const {
   return filtered(scene_, scene_.textures[row], uv, texel);
 }
 
-bool World::hole(uint32_t instance, uint32_t triangle, float u, float v) const {
+vec2 World::uv(const scene::Material& m, scene::Slot slot, const Vertex& i, float u, float v) const {
+  const scene::Geometry& g = scene_.geometry;
+  const scene::UvMapping& mapping = m.mapping_of(slot);
+  const std::vector<vec2>& set = mapping.set == 0 ? g.uv0 : g.uv1;
+  return mapping.linear * between(set[i.a], set[i.b], set[i.c], u, v) + mapping.offset;
+}
+
+float World::alpha(uint32_t instance, uint32_t triangle, float u, float v) const {
   const scene::Material& m = *instances_[instance].material;
   const scene::Geometry& g = scene_.geometry;
   const Vertex i = vertices(instance, triangle);
   float alpha = m.base_color.w * between(g.color[i.a].w, g.color[i.b].w, g.color[i.c].w, u, v);
   if (m.base_color_texture != scene::none)
-    alpha *= filtered(scene_, scene_.textures[m.base_color_texture], between(g.uv0[i.a], g.uv0[i.b], g.uv0[i.c], u, v),
-                      texel_alpha);
-  return alpha < m.alpha_cutoff;
+    alpha *=
+        filtered(scene_, scene_.textures[m.base_color_texture], uv(m, scene::Slot::BaseColor, i, u, v), texel_alpha);
+  return alpha;
+}
+
+bool World::hole(uint32_t instance, uint32_t triangle, float u, float v) const {
+  const scene::Material& m = *instances_[instance].material;
+  return alpha(instance, triangle, u, v) < (m.alpha == scene::AlphaMode::Mask ? m.alpha_cutoff : 0.5f);
 }
 
 vec3 World::emission(uint32_t instance, uint32_t triangle, float u, float v) const {
   const scene::Material& m = *instances_[instance].material;
   if (m.emissive_texture == scene::none) return m.emissive;
-  const scene::Geometry& g = scene_.geometry;
-  const Vertex i = vertices(instance, triangle);
-  return m.emissive * vec3(texture(m.emissive_texture, between(g.uv0[i.a], g.uv0[i.b], g.uv0[i.c], u, v)));
+  return m.emissive *
+         vec3(texture(m.emissive_texture, uv(m, scene::Slot::Emissive, vertices(instance, triangle), u, v)));
 }
 
 vec3 World::environment(vec3 direction) const {
@@ -149,20 +159,25 @@ Surface World::surface(const Hit& hit, vec3 direction) const {
   const float length = glm::length(interpolated);
   s.n = length > 0 ? interpolated * (instance.mirrored / length) : s.ng;
   if (length > 0 && !front) s.n = -s.n;
-  const vec2 uv = between(g.uv0[i.a], g.uv0[i.b], g.uv0[i.c], hit.u, hit.v);
+  const auto looked_up = [&](uint32_t row, scene::Slot slot) { return texture(row, uv(m, slot, i, hit.u, hit.v)); };
   const vec4 tangent = between(g.tangent[i.a], g.tangent[i.b], g.tangent[i.c], hit.u, hit.v);
   if (m.normal_texture != scene::none && !lambert_ && glm::dot(vec3(tangent), vec3(tangent)) > 0) {
     vec3 t = instance.linear * vec3(tangent);
     t = glm::normalize(t - s.n * glm::dot(s.n, t));
     const vec3 b = glm::cross(s.n, t) * (tangent.w * instance.mirrored);
-    const vec3 mapped = vec3(texture(m.normal_texture, uv)) * 2.0f - 1.0f;
+    const vec3 mapped = vec3(looked_up(m.normal_texture, scene::Slot::Normal)) * 2.0f - 1.0f;
     const vec3 n = t * (mapped.x * m.normal_scale) + b * (mapped.y * m.normal_scale) + s.n * mapped.z;
     if (glm::dot(n, n) > 1e-12f && std::isfinite(glm::dot(n, n))) s.n = glm::normalize(n);
   }
 
   vec4 base = m.base_color * between(g.color[i.a], g.color[i.b], g.color[i.c], hit.u, hit.v);
-  if (m.base_color_texture != scene::none) base *= texture(m.base_color_texture, uv);
+  if (m.base_color_texture != scene::none) base *= looked_up(m.base_color_texture, scene::Slot::BaseColor);
   s.albedo = glm::clamp(vec3(base), vec3(0), vec3(1));
+  if (m.unlit) {
+    s.emission = vec3(base);
+    s.albedo = vec3(0);
+    return s;
+  }
   if (front || m.double_sided) s.emission = emission(hit.instance, hit.triangle, hit.u, hit.v);
   if (lambert_) {
     s.diffuse = s.albedo;
@@ -171,12 +186,19 @@ Surface World::surface(const Hit& hit, vec3 direction) const {
   float metallic = m.metallic;
   s.roughness = m.roughness;
   if (m.metallic_roughness_texture != scene::none) {
-    const vec4 texel = texture(m.metallic_roughness_texture, uv);
+    const vec4 texel = looked_up(m.metallic_roughness_texture, scene::Slot::MetallicRoughness);
     metallic *= texel.z;
     s.roughness *= texel.y;
   }
-  s.f0 = glm::mix(vec3(dielectric_f0), s.albedo, metallic);
-  s.diffuse = s.albedo * ((1 - metallic) * (1 - dielectric_f0));
+  const float reflected = (m.ior - 1) / (m.ior + 1);
+  float specular = m.specular;
+  vec3 tint = m.specular_color;
+  if (m.specular_texture != scene::none) specular *= looked_up(m.specular_texture, scene::Slot::Specular).w;
+  if (m.specular_color_texture != scene::none)
+    tint *= vec3(looked_up(m.specular_color_texture, scene::Slot::SpecularColor));
+  const float f0 = std::min(reflected * reflected * std::max({tint.x, tint.y, tint.z}), 1.0f) * specular;
+  s.f0 = glm::mix(vec3(f0), s.albedo, metallic);
+  s.diffuse = s.albedo * ((1 - metallic) * (1 - f0));
   return s;
 }
 

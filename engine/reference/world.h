@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "reference/reference.h"
 #include "scene/scene.h"
 
 namespace nf::reference {
@@ -27,7 +28,7 @@ struct WorldInstance {
   float mirrored = 1;          // -1 where the matrix mirrors
   const scene::Primitive* primitive = nullptr;
   const scene::Material* material = nullptr;
-  bool masked = false;
+  bool masked = false, blended = false;
 };
 
 // Surface at a hit, seen from the side the ray came from: both normals are on that side.
@@ -44,7 +45,7 @@ struct Surface {
 
 class World {
  public:
-  World(const scene::Scene& scene, bool lambert);
+  World(const scene::Scene& scene, bool lambert, Blending blending = Blending::Over);
 
   const scene::Scene& scene() const { return scene_; }
   const std::vector<WorldInstance>& instances() const { return instances_; }
@@ -58,6 +59,7 @@ class World {
   // Unit normal of the front side.
   vec3 front_normal(uint32_t instance, uint32_t triangle) const;
   Surface surface(const Hit& hit, vec3 direction) const;
+  float alpha(uint32_t instance, uint32_t triangle, float u, float v) const;
   // Whether a cut-out has a hole there.
   bool hole(uint32_t instance, uint32_t triangle, float u, float v) const;
   // Radiance that leaves the point towards the front.
@@ -71,6 +73,7 @@ class World {
     uint32_t a, b, c;  // rows of scene::Geometry
   };
   Vertex vertices(uint32_t instance, uint32_t triangle) const;
+  vec2 uv(const scene::Material& material, scene::Slot slot, const Vertex& vertex, float u, float v) const;
 
   const scene::Scene& scene_;
   bool lambert_;

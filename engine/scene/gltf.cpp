@@ -91,7 +91,7 @@ void warn_ignored(Importer& importer) {
   }
 }
 
-Scene import_scene(const std::filesystem::path& path) {
+Scene import_scene(const std::filesystem::path& path, const PictureProgress& progress) {
   Source source = load_source(path);
   Budget budget(source.bytes);
   decompress(source, budget);
@@ -112,7 +112,7 @@ Scene import_scene(const std::filesystem::path& path) {
   check_extent(scene);
   import_cameras(importer, file_node);
   import_lights(importer, file_node);
-  import_pictures(importer);
+  import_pictures(importer, progress);
   return scene;
 }
 
@@ -120,11 +120,11 @@ Scene import_scene(const std::filesystem::path& path) {
 
 }  // namespace gltf
 
-Scene load_gltf(const std::filesystem::path& path) {
+Scene load_gltf(const std::filesystem::path& path, const PictureProgress& progress) {
   const std::string name = one_line(path.string(), 1000);
   try {
     const Doing doing("loading " + name);
-    return gltf::import_scene(path);
+    return gltf::import_scene(path, progress);
   } catch (const gltf::Problem& problem) {
     fail(Exit::Input, "cannot load '{}': {}; {}", name, problem.what, problem.advice);
   } catch (const std::bad_alloc&) {

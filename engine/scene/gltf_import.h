@@ -14,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "scene/gltf.h"
 #include "scene/scene.h"
 
 namespace nf::scene::gltf {
@@ -105,7 +106,7 @@ std::string describe(const char* section, size_t row, const std::string& name);
 
 void import_materials(Importer& importer);
 // Decodes every picture in picture_rows into Scene::pictures.
-void import_pictures(Importer& importer);
+void import_pictures(Importer& importer, const PictureProgress& progress);
 
 struct PrimitiveRange {
   uint32_t first = 0, count = 0;  // rows of Scene::primitives

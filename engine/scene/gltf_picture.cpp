@@ -5,6 +5,7 @@
 #include <stb/stb_image.h>
 #include <thread>
 
+#include "core/parallel.h"
 #include "scene/gltf_import.h"
 
 namespace nf::scene::gltf {
@@ -104,7 +105,7 @@ std::vector<Job> make_jobs(const Importer& importer) {
 
 }  // namespace
 
-void import_pictures(Importer& importer) {
+void import_pictures(Importer& importer, const PictureProgress& progress) {
   std::vector<Picture>& pictures = importer.scene.pictures;
   std::vector<Job> jobs = make_jobs(importer);
   uint64_t total = 0;
@@ -121,24 +122,17 @@ void import_pictures(Importer& importer) {
     refuse_advising("scale them down", "its pictures need {} MiB; {} is the limit", total >> 20, total_limit >> 20);
   }
 
-  std::atomic<size_t> next = 0;
-  const auto work = [&] {
-    for (size_t i = next++; i < jobs.size(); i = next++) {
-      try {
-        Picture& picture = pictures[jobs[i].row];
-        picture.rgba.resize(size_t(picture.width) * picture.height * 4);
-        decode(jobs[i], pictures);
-      } catch (const std::exception& e) {
-        jobs[i].error = e.what();  // out of memory; must not leave a helper thread
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> helpers;
-    const size_t cores = std::max(1u, std::thread::hardware_concurrency());
-    while (helpers.size() + 1 < std::min(cores, jobs.size())) helpers.emplace_back(work);
-    work();
-  }
+  if (progress && !jobs.empty()) progress(0, jobs.size());
+  std::atomic<size_t> done = 0;
+  const std::thread::id here = std::this_thread::get_id();
+  for_rows(uint32_t(jobs.size()), 0, [&](uint32_t i) {
+    Picture& picture = pictures[jobs[i].row];
+    picture.rgba.resize(size_t(picture.width) * picture.height * 4);
+    decode(jobs[i], pictures);
+    ++done;
+    if (progress && std::this_thread::get_id() == here) progress(done, jobs.size());
+  });
+  if (progress && !jobs.empty()) progress(jobs.size(), jobs.size());
   for (const Job& job : jobs) {
     if (!job.error.empty()) refuse("{} cannot be decoded ({}): it is damaged or truncated", job.where, job.error);
   }

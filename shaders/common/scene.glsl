@@ -26,14 +26,16 @@ struct Material {
   float roughness;
   float normal_scale;
   float alpha_cutoff;
-  ivec4 layers;          // base colour, metallic-roughness, normal, emissive; -1 = no texture
-  int occlusion_layer;
+  uint blended;
+  int layers[7];         // base colour, metallic-roughness, normal, emissive, occlusion, specular, its colour; -1 = no texture
   float occlusion_strength;
-  float dielectric_f0;
+  float ior_f0;          // ((ior - 1) / (ior + 1))^2
+  float specular;
+  vec3 specular_color;
   uint unlit;
-  uint uv_sets;          // bit i: texture i of the five is looked up with the second set
-  mat2 uv_linear[5];     // uv' = linear * uv + offset
-  vec2 uv_offset[5];
+  uint uv_sets;          // bit i: texture i of the seven is looked up with the second set
+  mat2 uv_linear[7];     // uv' = linear * uv + offset
+  vec2 uv_offset[7];
 };
 
 // passes/light_grid.h

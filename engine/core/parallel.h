@@ -1,4 +1,4 @@
-// Rows of a picture over threads.
+// Independent pieces of work over threads.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-namespace nf::reference {
+namespace nf {
 
-// Calls work(y) once for every row, on `threads` threads (0: all there are). Rethrows what a call threw.
+// Calls work(row) once for every row, on `threads` threads (0: all there are). Rethrows what a call threw.
 template <class Work>
 void for_rows(uint32_t rows, uint32_t threads, const Work& work) {
   std::atomic<uint32_t> next = 0;
@@ -19,13 +19,14 @@ void for_rows(uint32_t rows, uint32_t threads, const Work& work) {
   std::mutex lock;
   const auto run = [&] {
     try {
-      for (uint32_t y; (y = next++) < rows;) work(y);
+      for (uint32_t row; (row = next++) < rows;) work(row);
     } catch (...) {
       const std::lock_guard hold(lock);
       failure = std::current_exception();
     }
   };
-  const uint32_t count = std::clamp(threads ? threads : std::thread::hardware_concurrency(), 1u, 256u);
+  const uint32_t most = std::clamp(rows, 1u, 256u);
+  const uint32_t count = std::clamp(threads ? threads : std::thread::hardware_concurrency(), 1u, most);
   std::vector<std::thread> others;
   for (uint32_t i = 1; i < count; ++i) others.emplace_back(run);
   run();
@@ -33,4 +34,4 @@ void for_rows(uint32_t rows, uint32_t threads, const Work& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace nf::reference
+}  // namespace nf
