@@ -34,6 +34,72 @@ float view_distance(const scene::Camera& camera, const scene::Bounds& bounds, fl
   return limit > 0 ? std::clamp(limit, camera.near * 1.01f, far) : far;
 }
 
+// Calls visit at the ends of what the planes leave of the segment from a to b; a plane (n, d) keeps dot(n, p) + d >= 0.
+template <class Planes, class Visit>
+void clip_segment(vec3 a, vec3 b, const Planes& planes, const Visit& visit) {
+  float first = 0, last = 1;
+  for (const glm::vec4& plane : planes) {
+    const float at_a = glm::dot(vec3(plane), a) + plane.w, at_b = glm::dot(vec3(plane), b) + plane.w;
+    if (at_a < 0 && at_b < 0) return;
+    if (at_a < 0) first = std::max(first, at_a / (at_a - at_b));
+    if (at_b < 0) last = std::min(last, at_a / (at_a - at_b));
+  }
+  if (first > last) return;
+  visit(glm::mix(a, b, first));
+  visit(glm::mix(a, b, last));
+}
+
+struct Square {
+  vec2 middle{0};
+  float half = 0;
+};
+
+// The square, in light space, about all that the camera can see of the box up to the depth `far`: the corners of a
+// pyramid and a box cut with each other lie on the edges of one, cut by the other. Its side grows in eighths of an
+// octave, so that it seldom changes as the camera moves. half = 0: nothing is in view.
+Square square_in_view(const scene::Camera& camera, vec2 tangents, const scene::Bounds& bounds, float far,
+                      const SunBlock& sun) {
+  const vec3 right = glm::normalize(glm::cross(camera.forward, camera.up)), up = glm::cross(right, camera.forward);
+  const vec3 slack = (bounds.max - bounds.min) * 0.005f + 1e-3f;
+  const std::array<vec3, 2> box = {bounds.min - slack, bounds.max + slack};
+  std::array<vec3, 4> ends;
+  for (size_t i = 0; i < 4; ++i)
+    ends[i] = camera.position + far * (camera.forward + right * (i == 1 || i == 2 ? tangents.x : -tangents.x) +
+                                       up * (i < 2 ? tangents.y : -tangents.y));
+  std::array<glm::vec4, 6> box_planes;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side) {
+      vec3 n(0);
+      n[axis] = side ? -1.0f : 1.0f;
+      box_planes[size_t(axis * 2 + side)] = glm::vec4(n, -glm::dot(n, box[size_t(side)]));
+    }
+  std::array<glm::vec4, 5> view_planes = {glm::vec4(-camera.forward, glm::dot(camera.forward, camera.position) + far)};
+  const vec3 inwards[] = {camera.forward * tangents.x + right, camera.forward * tangents.x - right,
+                          camera.forward * tangents.y + up, camera.forward * tangents.y - up};
+  for (size_t i = 0; i < 4; ++i) view_planes[i + 1] = glm::vec4(inwards[i], -glm::dot(inwards[i], camera.position));
+
+  vec2 low(1e30f), high(-1e30f);
+  const auto take = [&](vec3 p) {
+    const vec2 at(glm::dot(sun.right, p), glm::dot(sun.down, p));
+    low = glm::min(low, at), high = glm::max(high, at);
+  };
+  for (size_t i = 0; i < 4; ++i) {
+    clip_segment(camera.position, ends[i], box_planes, take);
+    clip_segment(ends[i], ends[(i + 1) % 4], box_planes, take);
+  }
+  for (size_t edge = 0; edge < 12; ++edge) {
+    const size_t axis = edge / 4;
+    vec3 a, b;
+    for (size_t other = 0; other < 3; ++other)
+      a[int(other)] = b[int(other)] = box[other == (axis + 1) % 3 ? edge & 1 : edge >> 1 & 1][int(other)];
+    a[int(axis)] = box[0][int(axis)], b[int(axis)] = box[1][int(axis)];
+    clip_segment(a, b, view_planes, take);
+  }
+  if (low.x > high.x) return {};
+  const float half = std::max({high.x - low.x, high.y - low.y, 1e-3f}) * 0.5f;
+  return {(low + high) * 0.5f, std::exp2(std::ceil(std::log2(half) * 8) / 8)};
+}
+
 float luminance(vec3 c) {
   return glm::dot(c, vec3(0.2126f, 0.7152f, 0.0722f));
 }
@@ -118,17 +184,24 @@ SunBlock fit_sun(const scene::Camera& camera, glm::uvec2 size, const scene::Boun
     const float t = float(i) / float(params.cascades);
     return glm::mix(glm::mix(near, far, t), near * std::pow(far / near, t), params.split);
   };
+  // Where the cascades grow as large as the scene, the last has what is in view of it.
+  Square all{{glm::dot(sun.right, center), glm::dot(sun.down, center)}, scene_half};
+  const float k = std::sqrt(tx * tx + ty * ty);
+  const bool reaches_all = slice_sphere(split(params.cascades - 1), far, k).y / inner >= scene_half;
+  if (const Square seen = square_in_view(camera, {tx, ty}, bounds, far, sun);
+      reaches_all && seen.half > 0 && seen.half / inner < scene_half)
+    all = {seen.middle, seen.half / inner};
   vec3* cascades[] = {&sun.cascade0, &sun.cascade1, &sun.cascade2, &sun.cascade3};
   for (int i = 0; i < params.cascades; ++i) {
-    const vec2 sphere = slice_sphere(split(i), split(i + 1), std::sqrt(tx * tx + ty * ty));
-    const float half = sphere.y / inner;
-    const bool whole = half >= scene_half;
-    const vec3 at = whole ? center : camera.position + camera.forward * sphere.x;
-    vec2 middle(glm::dot(sun.right, at), glm::dot(sun.down, at));
-    const float side = whole ? scene_half : half, texel = 2 * side / texels;
-    if (!whole) middle = glm::floor(middle / texel + 0.5f) * texel;
-    *cascades[sun.cascade_count++] = vec3(middle, 1 / side);
-    if (whole) break;
+    const vec2 sphere = slice_sphere(split(i), split(i + 1), k);
+    const bool last = sphere.y / inner >= all.half;
+    const vec3 at = camera.position + camera.forward * sphere.x;
+    Square square{{glm::dot(sun.right, at), glm::dot(sun.down, at)}, sphere.y / inner};
+    if (last) square = all;
+    const float texel = 2 * square.half / texels;
+    if (square.half < scene_half) square.middle = glm::floor(square.middle / texel + 0.5f) * texel;
+    *cascades[sun.cascade_count++] = vec3(square.middle, 1 / square.half);
+    if (last) break;
   }
   return sun;
 }

@@ -17,7 +17,7 @@ namespace nf::passes {
   P(Bool, two_sided, 1, 0, 1, "",                                                                                \
     "Surfaces cast shadows from behind, too; off is faster, and the same where all solids are closed")           \
   P(Int, cascades, 3, 1, 4, "", "Maps of the sun, each over a larger part of the view")                          \
-  P(Int, resolution, 1024, 16, 8192, "px", "Side of each of the sun's maps")                                     \
+  P(Int, resolution, 2048, 16, 8192, "px", "Side of each of the sun's maps")                                     \
   P(Float, distance, 0.0f, 0.0f, 100000.0f, "m", "How far from the camera the sun casts shadows; 0: everywhere") \
   P(Float, split, 0.6f, 0.0f, 1.0f, "", "Depths where one cascade follows another: 0 even, 1 logarithmic")       \
   P(Float, blend, 0.1f, 0.0f, 0.5f, "", "Share of a cascade's border in which it fades into the next")           \
@@ -56,7 +56,8 @@ void map_axes(glm::vec3 axis, glm::vec3& right, glm::vec3& down);
 
 // Cascades of the slices of the camera's view up to the end of the scene or shadow.distance. Their squares have the
 // size of the slices' bounding spheres and stand on whole texels of light space, so that neither turning nor moving the
-// camera makes edges crawl. The first that would be as large as the scene is the scene's, and the last.
+// camera makes edges crawl. Where the spheres grow as large as the scene, the first that is as large as all of the scene
+// that is in view is the last, and has just that: its side changes in steps of an eighth of an octave.
 SunBlock fit_sun(const scene::Camera& camera, glm::uvec2 size, const scene::Bounds& bounds,
                  const scene::DirectionalLight& light, const ShadowParams& params);
 glm::vec3 cascade_of(const SunBlock& sun, uint32_t cascade);

@@ -1,5 +1,5 @@
-// The scenes of shared/ against the pictures that another renderer made of them, where they are there: depth, normal, albedo and
-// direct light, all materials pure Lambert. The limits are those of the pictures' README.
+// The scenes of shared/ against the pictures that another renderer made of them, where they are there: depth, normal,
+// albedo and direct light, all materials pure Lambert. The limits are those of the pictures' README.
 #include <algorithm>
 
 #include "gpu_fixture.h"
@@ -14,8 +14,8 @@ constexpr uint32_t block = 8;
 
 struct Case {
   const char *folder, *scene, *view;
-  const char* direct;      // the picture of sun and lamps alone
-  bool textured;           // its textures are point-sampled there: light is compared apart from them
+  const char* direct;  // the picture of sun and lamps alone
+  bool textured;       // its textures are point-sampled there: light is compared apart from them
 };
 constexpr Case cases[] = {
     {"cornell_point", "cornell_nolamp.glb", "cornell_point.json", "direct.exr", false},
@@ -42,7 +42,8 @@ std::vector<uint8_t> inside(const image::Image& mask, const image::Image& depth)
       bool good = mask.at(x, y, 0) > 0.5f;
       const float z = depth.at(x, y, 0);
       for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(0, 1)}) {
-        const uint32_t x1 = std::min(x + uint32_t(step.x), mask.width - 1), y1 = std::min(y + uint32_t(step.y), mask.height - 1);
+        const uint32_t x1 = std::min(x + uint32_t(step.x), mask.width - 1),
+                       y1 = std::min(y + uint32_t(step.y), mask.height - 1);
         good = good && std::abs(depth.at(x1, y1, 0) - z) < 0.1f * z;
       }
       out[size_t(y) * mask.width + x] = good;
@@ -99,7 +100,7 @@ TEST_P(Pictures, MatchAnotherRenderers) {
   request.camera = scene::select_view(shared / "scenes" / GetParam().view, scene);
   request.settings.technique = &passes::find_technique("none");
   request.settings.material.lambert = request.settings.material.blend = 1;
-  request.frames = 4, request.accumulate = true, request.scan = false;
+  request.frames = 2, request.accumulate = true, request.scan = false;
   const Shot shot = shoot(scene, request);
 
   const image::Image depth = picture(folder / "depth.exr"), normal = picture(folder / "normal.exr"),
@@ -115,14 +116,16 @@ TEST_P(Pictures, MatchAnotherRenderers) {
       normal_off.push_back(glm::degrees(std::acos(std::min(double(cosine), 1.0))));
     }
   ASSERT_GT(depth_off.size(), 5000u);
-  const std::vector<vec3> albedo_here = block_means(shot.layer("albedo"), good), albedo_there = block_means(albedo, good);
+  const std::vector<vec3> albedo_here = block_means(shot.layer("albedo"), good),
+                          albedo_there = block_means(albedo, good);
   const std::vector<vec3> here = block_means(shot.layer("direct_diffuse"), good), there = block_means(direct, good);
   ASSERT_GT(here.size(), 100u);
   const double albedo_error = relative_rmse(albedo_here, albedo_there), light = relative_rmse(here, there);
   const double apart = relative_rmse(divided(here, albedo_here), divided(there, albedo_there));
-  std::printf("%-16s %4zu blocks: depth %.4f %%, normal %.3f deg, albedo %.2f %%, direct light %.2f %% (by albedo %.2f %%)\n",
-              GetParam().folder, here.size(), 100 * median(depth_off), median(normal_off), 100 * albedo_error, 100 * light,
-              100 * apart);
+  std::printf(
+      "%-16s %4zu blocks: depth %.4f %%, normal %.3f deg, albedo %.2f %%, direct light %.2f %% (by albedo %.2f %%)\n",
+      GetParam().folder, here.size(), 100 * median(depth_off), median(normal_off), 100 * albedo_error, 100 * light,
+      100 * apart);
   EXPECT_LT(median(depth_off), 0.001);
   EXPECT_LT(median(normal_off), 1);
   if (!GetParam().textured) {
@@ -132,7 +135,8 @@ TEST_P(Pictures, MatchAnotherRenderers) {
   EXPECT_LT(apart, 0.05);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, Pictures, testing::ValuesIn(cases), [](const auto& row) { return std::string(row.param.folder); });
+INSTANTIATE_TEST_SUITE_P(Shared, Pictures, testing::ValuesIn(cases),
+                         [](const auto& row) { return std::string(row.param.folder); });
 
 }  // namespace
 }  // namespace nf::test

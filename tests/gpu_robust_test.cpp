@@ -63,6 +63,7 @@ TEST_F(Robust, ValidationReportsAMissingBarrier) {
 TEST_F(Robust, AliasingChangesNothing) {
   const scene::Scene scene = load(small_room());
   Request request{.size = {97, 61}, .camera = inside_small_room(), .frames = 3, .scan = false};
+  request.settings.shadow.resolution = 512;  // one large image would leave little to share
   const Shot shared = shoot(scene, request);
   request.graph.alias = false;
   const Shot apart = shoot(scene, request);

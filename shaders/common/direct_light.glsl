@@ -64,10 +64,12 @@ float sun_visibility(Receiver r) {
   float texel = 2.0 * half_side / size;
   float offset = normal_offset(texel, n.z) * shadow.normal_bias;
   MapPoint p;
-  p.uv = (at + n.xy * offset - cascade.xy) * (0.5 * cascade.z) + 0.5;
+  p.uv = (at - cascade.xy) * (0.5 * cascade.z) + 0.5;
   p.layer = layer;
-  p.depth = (dot(sun.direction, r.position) - n.z * offset - shadow.bias * texel) * sun.depth_scale + sun.depth_offset;
-  p.gradient = n.xy / max(n.z, 5e-3) * (2.0 * half_side * sun.depth_scale);
+  // The plane moves, not the place where it is looked at: a shadow's edge stays where it is.
+  float n_z = max(n.z, 5e-3);
+  p.depth = (dot(sun.direction, r.position) - offset / n_z - shadow.bias * texel) * sun.depth_scale + sun.depth_offset;
+  p.gradient = n.xy / n_z * (2.0 * half_side * sun.depth_scale);
   p.softness = sun.tan_radius * 0.5 * cascade.z / -sun.depth_scale;
   bool inside = all(greaterThanEqual(p.uv, vec2(0.0))) && all(lessThanEqual(p.uv, vec2(1.0)));
   float visible = map_visibility(sun_map, p, size, r.spin);

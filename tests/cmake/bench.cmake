@@ -2,6 +2,8 @@
 add_executable(yardstick bench/yardstick.cpp)
 target_link_libraries(yardstick PRIVATE nf_passes nf_options)
 target_compile_definitions(yardstick PRIVATE NF_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+add_executable(moving_boxes bench/moving_boxes.cpp)
+target_link_libraries(moving_boxes PRIVATE nf_passes nf_content nf_capture nf_options)
 add_executable(reference_rays bench/reference_rays.cpp)
 target_link_libraries(reference_rays PRIVATE nf_reference embree nf_options)
 # Where Google Benchmark is (Debian's libbenchmark-dev).
