@@ -35,7 +35,7 @@ inline glm::vec3 ambient_of(glm::ivec2) {
   return glm::vec3(0);
 }
 // A white environment, as hbil.comp has a constant one.
-glm::vec3 environment_cone(glm::vec3 direction, float cone, float ao);
+inline glm::vec3 environment_cone(glm::vec3 direction, float cone, float ao);
 
 }  // namespace twin
 
