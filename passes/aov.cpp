@@ -78,7 +78,7 @@ graph::Tex add_aov(graph::Graph& graph, const AovPass& pass, const Aov& aov, con
   const gpu::ShaderInterface& interface = *pipeline.interface;
   if (interface.find("source") && !source) return {};
   const char* resource = *aov.name ? aov.name : "final";
-  const graph::Tex image = graph.image(resource, {o.gbuffer.size, aov.format});
+  const graph::Tex image = graph.image(resource, {*aov.name ? o.gbuffer.size : graph.desc(o.lit).size, aov.format});
   auto builder = graph.fullscreen(resource, pipeline, aov.help);
   // The shader's variant says what it reads.
   const std::pair<const char*, graph::Tex> inputs[] = {{"source", source},

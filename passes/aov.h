@@ -15,6 +15,10 @@ struct FrameOutputs {
   Radiance direct;
   GiResult gi, gi_raw;  // after reconstruction, and before
   graph::Tex lit;
+  // 1x1 RGBA32F, where the stage is on. Feedback: x / y is the loop's gain, light fed back per light gathered from. The
+  // firefly clamp: y / (x + y) is the share of the light that it took.
+  graph::Tex loop_energy, clamped_energy;
+  glm::ivec2 border{0};  // pixels of overscan on each side that all but `lit` still have
 };
 
 struct Aov {

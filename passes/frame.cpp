@@ -1,6 +1,7 @@
 // The frame.
 #include "frame.h"
 
+#include "energy.h"
 #include "scene/camera.h"
 
 namespace nf::passes {
@@ -8,6 +9,7 @@ namespace nf::passes {
 std::vector<ParamBlock> FrameSettings::blocks() {
   std::vector<ParamBlock> all = {{&GiParams::table(), &gi.shared},      {&MaterialParams::table(), &material},
                                  {&LightParams::table(), &lights},      {&ShadowParams::table(), &shadow},
+                                 {&FeedbackParams::table(), &feedback}, {&ResolutionParams::table(), &resolution},
                                  {&TemporalParams::table(), &temporal}, {&DenoiseParams::table(), &denoise},
                                  {&TaaParams::table(), &taa},           {&TonemapParams::table(), &tonemap}};
   for (const Technique& t : techniques())
@@ -22,15 +24,19 @@ void set_paper_mode(FrameSettings& settings) {
 }
 
 void FrameSettings::switch_off_reconstruction() {
+  feedback.reprojection = 0;
+  resolution.gi = 0;
+  resolution.overscan = 0;
   temporal.enabled = 0;
   denoise.method = 0;
   taa.enabled = 0;
 }
 
 std::vector<const ParamTable*> inner_tables() {
-  return {&FrameBlock::table(),     &AccumulateBlock::table(),  &SunBlock::table(),    &ShadowViewBlock::table(),
-          &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table(), &ReprojectBlock::table(),
-          &TemporalBlock::table(),  &DenoiseBlock::table(),     &TaaBlock::table()};
+  return {&FrameBlock::table(),     &AccumulateBlock::table(),  &SunBlock::table(),      &ShadowViewBlock::table(),
+          &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table(),   &ReprojectBlock::table(),
+          &TemporalBlock::table(),  &DenoiseBlock::table(),     &TaaBlock::table(),      &SplitBlock::table(),
+          &UpsampleBlock::table(),  &CropBlock::table(),        &FeedbackBlock::table(), &FeedbackMergeBlock::table()};
 }
 
 gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,
@@ -86,7 +92,13 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
     view.previous_jitter = halton_jitter(view.frame_index - 1);
   }
   // Noise that changes from frame to frame only flickers where nothing averages it.
-  if (!view.averaged && !temporal && !taa) view.frame_index = 0;
+  const bool averaged = view.averaged || temporal || taa;
+  if (!averaged) view.frame_index = 0;
+  FrameOutputs out;
+  if (settings.reconstruct && settings.resolution.overscan > 0) {
+    out.border = overscan_border(view.size, settings.resolution.overscan);
+    view = with_border(view, out.border);
+  }
   const FrameBlock frame = make_frame_block(view, scene_, settings.material);
   graph.share(frame);
   const Blending blending = Blending(settings.material.blend);
@@ -95,29 +107,50 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
   const ShadowPlan shadows = plan_shadows(view.camera, view.size, scene_, settings.shadow, blending);
   lights_->update(scene_, view.camera, view.size, view.jitter, shadows, settings.lights);
 
-  FrameOutputs out;
   const graph::Buf deformed = add_deform(graph, deform_, *tables_);
   out.gbuffer = add_gbuffer(graph, gbuffer_, {view.size.x, view.size.y}, *tables_, camera_draws_, deformed);
   const ShadowMaps maps = add_shadows(graph, shadow_, settings.shadow, shadows, *tables_, shadow_draws_, deformed);
   const DirectLights lights{shadows, maps, *lights_, settings.shadow, settings.lights};
   out.direct = add_direct(graph, lighting_, out.gbuffer, lights);
-  out.gi_raw = settings.technique->add(graph, *gi_, {out.gbuffer, out.direct, environment_, *noise_}, settings.gi);
-  out.gi = out.gi_raw;
   const ReprojectBlock reproject = make_reproject_block(view);
+  const std::string_view gives = settings.technique->outputs;
+  const bool feed = settings.reconstruct && settings.feedback.reprojection && gives.find("gi") != gives.npos;
+  PreviousSurface previous;
+  if (feed || (temporal && !gives.empty())) previous = keep_surface(graph, out.gbuffer);
+  Feedback feedback;
+  if (feed) {
+    graph.optional(out.direct.radiance);
+    feedback = add_feedback(graph, *pipelines_, out.gbuffer, previous, reproject, out.direct, settings.feedback,
+                            settings.temporal);
+    out.direct.radiance = feedback.radiance;
+  }
+  const PixelGrid grid =
+      settings.reconstruct ? make_grid(settings.resolution.gi, view.frame_index, averaged) : PixelGrid{};
+  out.gi_raw = add_at_resolution(
+      graph, *pipelines_, frame, grid, out.gbuffer, out.direct, settings.resolution,
+      [&](const GBuffer& gbuffer, const Radiance& radiance) {
+        return settings.technique->add(graph, *gi_, {gbuffer, radiance, environment_, *noise_}, settings.gi);
+      });
+  out.gi = out.gi_raw;
   if (settings.reconstruct) {
     graph::Tex moments;
     if (temporal && out.gi.any()) {
-      const PreviousSurface previous = keep_surface(graph, out.gbuffer);
       const Temporal mean =
           add_temporal(graph, *pipelines_, out.gbuffer, previous, reproject, out.gi, settings.temporal);
       out.gi = mean.gi;
       moments = mean.moments;
+      if (mean.gi.gi && settings.temporal.firefly_clamp > 0)
+        out.clamped_energy = add_energy(graph, *pipelines_, "temporal.clamped", mean.gi.gi);
     }
     out.gi = add_denoise(graph, *pipelines_, out.gbuffer, out.gi, moments, settings.denoise, settings.temporal);
   }
+  if (feed)
+    out.loop_energy =
+        add_feedback_keep(graph, *pipelines_, out.gbuffer, feedback, out.gi, environment_, settings.feedback);
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_, environment_);
   add_blend(graph, blend_, out.lit, out.gbuffer, lights, *tables_, camera_draws_, deformed, environment_);
   if (taa) out.lit = add_taa(graph, *pipelines_, out.gbuffer, reproject, out.lit, settings.taa);
+  if (out.border != glm::ivec2(0)) out.lit = add_crop(graph, *pipelines_, out.lit, out.border);
   // What a frame offers. Whoever runs it reads what he wants to see.
   for (const graph::Tex offered :
        {out.gbuffer.depth, out.gbuffer.normal, out.gbuffer.albedo, out.gbuffer.material, out.gbuffer.emissive,
@@ -137,7 +170,9 @@ graph::Tex Renderer::add_picture(graph::Graph& graph, const FrameOutputs& output
 }
 
 graph::Tex Renderer::add_layer(graph::Graph& graph, const FrameOutputs& outputs, const Aov& aov, int64_t mean_frame) {
-  const graph::Tex value = add_aov(graph, aovs_, aov, outputs, *tables_, environment_);
+  graph::Tex value = add_aov(graph, aovs_, aov, outputs, *tables_, environment_);
+  if (value && *aov.name && outputs.border != glm::ivec2(0))
+    value = add_crop(graph, *pipelines_, value, outputs.border);
   if (!value || mean_frame < 0) return value;
   return add_accumulate(graph, accumulate_, mean_names_[size_t(&aov - aovs().data())].c_str(), value, aov.format,
                         uint32_t(mean_frame));

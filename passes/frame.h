@@ -8,8 +8,10 @@
 #include "aov.h"
 #include "blend.h"
 #include "denoise.h"
+#include "feedback.h"
 #include "gi/techniques.h"
 #include "graph/executor.h"
+#include "resolution.h"
 #include "taa.h"
 #include "view.h"
 
@@ -25,6 +27,8 @@ struct FrameSettings {
   TonemapParams tonemap;
   // Reconstruction runs as its parameters say, or, for who measures the technique itself, not at all.
   bool reconstruct = false;
+  FeedbackParams feedback;
+  ResolutionParams resolution;
   TemporalParams temporal;
   DenoiseParams denoise;
   TaaParams taa;

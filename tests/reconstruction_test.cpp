@@ -1,9 +1,11 @@
 // Reconstruction's arithmetic: the shaders' text compiled as C++.
 #include <cstring>
 #include <gtest/gtest.h>
+#include <map>
 
 #include "glsl_twin.h"
 #include "reproject.h"
+#include "resolution.h"
 
 namespace twin {
 inline unsigned floatBitsToUint(float x) {
@@ -21,6 +23,7 @@ using uint = unsigned;
 NF_GLSL_BEGIN
 #include "common/color.glsl"
 #include "common/denoise.glsl"
+#include "common/feedback.glsl"
 #include "common/taa.glsl"
 NF_GLSL_END
 
@@ -114,6 +117,97 @@ TEST(Reconstruction, BlockTurnsTheLastViewIntoThisOne) {
   EXPECT_NEAR(p.x, -0.3f, 1e-5f);
   EXPECT_NEAR(p.y, 0.1f, 1e-5f);
   EXPECT_NEAR(p.z, -3.5f, 1e-5f);
+}
+
+// A closed box of albedo rho whose every wall emits L_e and sees the share F of the light: each frame gathers what the
+// walls send out and feeds back what they reflect, as the GPU's passes do with these functions.
+struct Box {
+  float rho, form_factor, emitted = 1;
+  float albedo_limit = 0.9f, gain_limit = 0.95f;
+  float reflected = 0, gathered = 0;
+  float step() {
+    const float scale = twin::feedback_scale(reflected, gathered, gain_limit);
+    gathered = emitted + scale * reflected;
+    reflected = twin::limit_reflectance(vec3(rho), albedo_limit).x * form_factor * gathered;
+    return gathered;
+  }
+};
+
+TEST(Feedback, AClosedBoxConverges) {
+  for (const float f : {1.0f, 0.8f, 0.5f}) {
+    Box box{.rho = 0.8f, .form_factor = f};
+    float light = 0, before = 0, difference = 0, ratio = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+      before = light;
+      light = box.step();
+      if (frame == 8) ratio = (light - before) / difference;
+      difference = light - before;
+    }
+    EXPECT_NEAR(light * (1 - 0.8f * f), 1, 0.01f);
+    EXPECT_NEAR(ratio, 0.8f * f, 1e-3f) << "geometric";
+  }
+}
+
+TEST(Feedback, AWhiteBoxStaysFinite) {
+  for (const float limit : {0.9f, 1.0f}) {
+    Box box{.rho = 1, .form_factor = 1, .albedo_limit = limit};
+    float light = 0;
+    for (int frame = 0; frame < 1000; ++frame) light = box.step();
+    EXPECT_LE(light, 20.1f);
+    EXPECT_NEAR(light, 1 / (1 - std::min(limit, 0.95f)), 0.2f);
+  }
+  // The control: without both limits it grows with every frame.
+  Box free{.rho = 1, .form_factor = 1, .albedo_limit = 1, .gain_limit = 2};
+  float light = 0;
+  for (int frame = 0; frame < 1000; ++frame) light = free.step();
+  EXPECT_GT(light, 900.0f);
+}
+
+// Every pixel is in exactly one small picture of an interleaved frame, over frames also of half and quarter resolution;
+// a small picture's rays are those of the pixels that it stands for.
+TEST(Resolution, GridsCoverEveryPixel) {
+  for (int mode = 1; mode < 6; ++mode) {
+    const uint32_t frames = mode == 1 ? 4 : mode == 2 ? 16 : mode == 3 ? 2 : 1;
+    std::map<std::pair<int, int>, int> seen;
+    int factor = 0;
+    for (uint32_t frame = 0; frame < frames; ++frame) {
+      const passes::PixelGrid grid = passes::make_grid(mode, frame, true);
+      factor = grid.factor;
+      for (const glm::ivec2 o : grid.offsets) ++seen[{o.x, o.y}];
+    }
+    EXPECT_EQ(seen.size(), size_t(factor * factor)) << mode;
+    for (const auto& [offset, count] : seen) {
+      EXPECT_EQ(count, 1);
+      EXPECT_LT(std::max(offset.first, offset.second), factor);
+    }
+    EXPECT_EQ(passes::make_grid(mode, 5, false).offsets, passes::make_grid(mode, 0, true).offsets) << "nobody averages";
+  }
+}
+
+TEST(Resolution, SmallFramesSeeTheSameRays) {
+  passes::FrameBlock frame;
+  frame.size = {321, 179};
+  frame.ray_scale = {0.004f, -0.004f};
+  frame.ray_offset = {-0.64f, 0.36f};
+  frame.pixels_per_tangent = {250, 250};
+  for (const int factor : {2, 4}) {
+    const glm::ivec2 offset(1, factor - 1), q(13, 7);
+    const passes::FrameBlock small = passes::make_small_frame(frame, factor, offset, 1, 4);
+    const glm::vec2 ray = (glm::vec2(q) + 0.5f) * small.ray_scale + small.ray_offset,
+                    expected = (glm::vec2(q * factor + offset) + 0.5f) * frame.ray_scale + frame.ray_offset;
+    EXPECT_NEAR(ray.x, expected.x, 1e-6f);
+    EXPECT_NEAR(ray.y, expected.y, 1e-6f);
+    EXPECT_EQ(small.size, glm::ivec2((321 + factor - 1) / factor, (179 + factor - 1) / factor));
+  }
+}
+
+TEST(Resolution, OverscanWidensTheView) {
+  passes::FrameView view;
+  view.size = {200, 100};
+  view.camera.vfov = view.previous_camera.vfov = 1;
+  const passes::FrameView wide = passes::with_border(view, passes::overscan_border(view.size, 10));
+  EXPECT_EQ(wide.size, glm::uvec2(240, 120));
+  EXPECT_NEAR(std::tan(wide.camera.vfov / 2), 1.2f * std::tan(0.5f), 1e-5f);
 }
 
 }  // namespace

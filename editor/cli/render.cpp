@@ -212,6 +212,8 @@ class RenderJob {
     // The read-backs are part of every frame, so that the plan is the same and the passes are not culled.
     for (const passes::Aov* aov : layers)
       graph.readback("readback.layer", renderer.add_layer(graph, outputs, *aov, mean));
+    if (outputs.loop_energy) graph.readback("readback.loop_energy", outputs.loop_energy);
+    if (outputs.clamped_energy) graph.readback("readback.clamped_energy", outputs.clamped_energy);
     if (pictures || layers.empty())
       graph.readback("readback.picture", renderer.add_picture(graph, outputs, settings, mean));
     renderer.executor().run(graph, {.timing = parse_timing(o_.timing)});
@@ -233,6 +235,22 @@ class RenderJob {
       if (!result.passes.empty()) frame_ms_.push_back(result.frame_ms);
     }
     if (wanted) readbacks_ = renderer.executor().take_readbacks();
+    if (wanted) measure();
+  }
+
+  // What the frame says about its own feedback and clamp.
+  void measure() {
+    for (const graph::Readback& readback : readbacks_) {
+      const std::string_view name = readback.name;
+      if (name != "readback.loop_energy" && name != "readback.clamped_energy") continue;
+      uint32_t channels = 0;
+      const std::vector<float> sums = graph::to_floats(readback, channels);
+      const double x = double(sums[0]), y = double(sums[1]);
+      if (name == "readback.loop_energy")
+        measured_["loop_gain"] = y > 0 ? x / y : 0;
+      else
+        measured_["clamped_share"] = x + y > 0 ? y / (x + y) : 0;
+    }
   }
 
   void write(const std::vector<Output>& outputs, const std::vector<const passes::Aov*>& layers,
@@ -296,6 +314,7 @@ class RenderJob {
                                         {{"placed_bytes", plan.placed_bytes},
                                          {"max_live_bytes", plan.max_live_bytes},
                                          {"unaliased_bytes", plan.unaliased_bytes}}},
+                                       {"measured", measured_},
                                        {"written", written_}};
       if (o_.json_file == "-") {
         fmt::print("{}\n", document.dump(1));
@@ -318,12 +337,17 @@ class RenderJob {
       fmt::print("  {} draws in {} batches; transient images: {:.1f} MiB placed of {:.1f}\n", renderer.draws(),
                  renderer.batches(), double(plan.placed_bytes) / 1048576.0, double(plan.unaliased_bytes) / 1048576.0);
     }
+    if (!o_.quiet && measured_.count("loop_gain"))
+      fmt::print("  feedback: {:.3f} of the light gathered goes round again\n", measured_["loop_gain"]);
+    if (!o_.quiet && measured_.count("clamped_share"))
+      fmt::print("  firefly clamp: takes {:.2f} % of the light\n", 100 * measured_["clamped_share"]);
     for (const std::string& name : written_) fmt::print("{}\n", name);
   }
 
   RenderOptions& o_;
   Clock::time_point start_;
   passes::FrameView view_;
+  std::map<std::string, double> measured_;
   std::map<std::string, std::vector<double>> pass_ms_;
   std::vector<std::string> pass_order_, written_;
   std::vector<double> frame_ms_;

@@ -216,7 +216,11 @@ void Executor::push_descriptors(const Graph& graph, const PassRow& pass, const g
   };
   for (uint32_t i = 0; i < pass.param_count; ++i)
     write_block(graph.params[pass.first_param + i], uniforms[pass.first_param + i]);
-  for (size_t i = 0; i < graph.shared.size(); ++i) write_block(graph.shared[i], uniforms[graph.params.size() + i]);
+  // A pass's own block goes before the shared one of the same table.
+  const std::span own(graph.params.data() + pass.first_param, pass.param_count);
+  for (size_t i = 0; i < graph.shared.size(); ++i)
+    if (std::none_of(own.begin(), own.end(), [&](const ParamRow& p) { return p.table == graph.shared[i].table; }))
+      write_block(graph.shared[i], uniforms[graph.params.size() + i]);
   for (const gpu::Slot& slot : slots)
     if (slot.kind == gpu::SlotKind::Sampler) {
       const VkSampler sampler = pipelines_.sampler(slot.name);
