@@ -8,10 +8,10 @@ namespace nf::passes {
 
 // view_from_previous_view: this frame's view space from the last one's. previous_ray_*: the last picture's, its jitter
 // included, as in FrameBlock. jitter: this picture's, in pixels.
-#define NF_REPROJECT_FIELDS(F)                                                                           \
-  F(Mat4, view_from_previous_view)                                                                       \
-  F(Vec2, previous_ray_scale) F(Vec2, previous_ray_offset) F(Vec2, jitter) F(Uint, previous_depth_valid) \
-      F(Uint, previous_normal_valid)
+#define NF_REPROJECT_FIELDS(F)     \
+  F(Mat4, view_from_previous_view) \
+  F(Vec2, previous_ray_scale)      \
+  F(Vec2, previous_ray_offset) F(Vec2, jitter) F(Uint, previous_depth_valid) F(Uint, previous_normal_valid)
 NF_DECLARE_BLOCK(ReprojectBlock, "reproject", NF_REPROJECT_FIELDS)
 ReprojectBlock make_reproject_block(const FrameView& view);
 

@@ -56,8 +56,8 @@ void map_axes(glm::vec3 axis, glm::vec3& right, glm::vec3& down);
 
 // Cascades of the slices of the camera's view up to the end of the scene or shadow.distance. Their squares have the
 // size of the slices' bounding spheres and stand on whole texels of light space, so that neither turning nor moving the
-// camera makes edges crawl. Where the spheres grow as large as the scene, the first that is as large as all of the scene
-// that is in view is the last, and has just that: its side changes in steps of an eighth of an octave.
+// camera makes edges crawl. Where the spheres grow as large as the scene, the first that is as large as all of the
+// scene that is in view is the last, and has just that: its side changes in steps of an eighth of an octave.
 SunBlock fit_sun(const scene::Camera& camera, glm::uvec2 size, const scene::Bounds& bounds,
                  const scene::DirectionalLight& light, const ShadowParams& params);
 glm::vec3 cascade_of(const SunBlock& sun, uint32_t cascade);

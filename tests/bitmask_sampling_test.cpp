@@ -1,4 +1,5 @@
-// How the GI pass (shaders/gi/march.glsl, bitmask.glsl) samples: which texels it reads, how far, and what one sample covers.
+// How the GI pass (shaders/gi/march.glsl, bitmask.glsl) samples: which texels it reads, how far, and what one sample
+// covers.
 #include <algorithm>
 #include <bit>
 #include <cmath>

@@ -74,7 +74,8 @@ TEST_F(CliErrorTest, UnknownNames) {
   expect_render(3, {"--technique", "voxels"}, "voxels");
   expect(3, {"render", scene(), "-o", out("a.exr"), "--size", "64x36", "--aov", "gi,shine"}, "shine");
   // Known, but gtao does not give it: found out with the device at hand.
-  expect(3, {"render", scene(), "-o", out("a.exr"), "--size", "64x36", "--technique", "gtao", "--aov", "gi", "--quiet"}, "gi");
+  expect(3, {"render", scene(), "-o", out("a.exr"), "--size", "64x36", "--technique", "gtao", "--aov", "gi", "--quiet"},
+         "gi");
   expect(3, {"info", "--params", "voxels"}, "voxels");
   expect(3, {"graph", scene(), "--technique", "voxels"}, "voxels");
 }

@@ -12,7 +12,8 @@ namespace nf::scene {
 // Throws nf::Error (Exit::Input) with one line "what: why; what to try" for anything that is wrong with the file:
 // missing, truncated, not glTF, an accessor out of bounds, non-finite positions, no triangles, a missing picture, an
 // unknown required extension, a URI that leaves the scene's folder, absurd sizes. Never crashes, never hangs.
-// `progress` is called on this thread as pictures are decoded on all cores, first with done = 0, last with done = total.
+// `progress` is called on this thread as pictures are decoded on all cores, first with done = 0, last with done =
+// total.
 using PictureProgress = std::function<void(size_t done, size_t total)>;
 Scene load_gltf(const std::filesystem::path& path, const PictureProgress& progress = {});
 

@@ -94,8 +94,8 @@ int main(int argc, char** argv) try {
     if (i >= warmup) note(result, ""), cpu["yardstick"].push_back(cpu_ms() - before);
   }
   const capture::Statistics unit = capture::statistics(times["yardstick"]);
-  std::printf("%s, %ux%u, %d frames, wall ms of passes (%s)\n", device.info.name.c_str(), view.size.x, view.size.y, frames,
-              device.facts.software ? "CPU device" : "GPU");
+  std::printf("%s, %ux%u, %d frames, wall ms of passes (%s)\n", device.info.name.c_str(), view.size.x, view.size.y,
+              frames, device.facts.software ? "CPU device" : "GPU");
   for (const std::string& name : order) {
     const capture::Statistics s = capture::statistics(times[name]);
     std::printf("  %-64s median %9.3f  mad %7.3f  = %6.2f yardsticks; least %9.3f = %6.2f\n", name.c_str(), s.median,
