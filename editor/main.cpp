@@ -21,7 +21,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", version_line());
   app.footer(footer);
   app.require_subcommand(0, 1);
-  const Command commands[] = {add_render(app), add_info(app), add_graph(app), add_compare(app), add_reference(app)};
+  const Command commands[] = {add_render(app), add_info(app), add_graph(app), add_compare(app), add_reference(app), add_evaluate(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

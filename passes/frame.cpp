@@ -2,6 +2,7 @@
 #include "frame.h"
 
 #include "energy.h"
+#include "marcher.h"
 #include "scene/camera.h"
 
 namespace nf::passes {
@@ -36,7 +37,8 @@ std::vector<const ParamTable*> inner_tables() {
   return {&FrameBlock::table(),     &AccumulateBlock::table(),  &SunBlock::table(),      &ShadowViewBlock::table(),
           &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table(),   &ReprojectBlock::table(),
           &TemporalBlock::table(),  &DenoiseBlock::table(),     &TaaBlock::table(),      &SplitBlock::table(),
-          &UpsampleBlock::table(),  &CropBlock::table(),        &FeedbackBlock::table(), &FeedbackMergeBlock::table()};
+          &UpsampleBlock::table(),  &CropBlock::table(),        &FeedbackBlock::table(), &FeedbackMergeBlock::table(),
+          &MarcherBlock::table()};
 }
 
 gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,

@@ -149,6 +149,26 @@ TEST_F(CliCompareTest, WritesPictures) {
   EXPECT_NE(o.out.find(out("h.png")), std::string::npos);
 }
 
+// total = estimator + missing, as numbers and as three maps with one scale.
+TEST_F(CliCompareTest, SplitsTheError) {
+  const std::string test = exr("t.exr", flat(0.7f)), same = exr("s.exr", flat(0.4f)), truth = exr("r.exr", flat(0.5f));
+  const Outcome o = run(
+      {"compare", test, truth, "--same-information", same, "--split", out("p.png"), "--metric", "rmse", "--json", "-"});
+  ASSERT_EQ(o.code, 0) << o.err;
+  const nlohmann::json split = o.json()["split"];
+  EXPECT_NEAR(split["total"]["bias"].get<double>(), 0.2, 1e-3);
+  EXPECT_NEAR(split["estimator"]["bias"].get<double>(), 0.3, 1e-3);
+  EXPECT_NEAR(split["missing"]["bias"].get<double>(), -0.1, 1e-3);
+  EXPECT_NEAR(split["missing"]["rmse"].get<double>(), 0.1, 1e-3);
+  const image::Image8 picture = image::read_png(out("p.png"));
+  EXPECT_EQ(picture.width, 3 * flat(0).width + 8);
+  const Outcome text = run({"compare", test, truth, "--same-information", same});
+  EXPECT_NE(text.out.find("estimator"), std::string::npos) << text.out;
+  EXPECT_TRUE(run({"compare", test, truth, "--json", "-"}).json()["split"].is_null());
+  fails(2, {test, truth, "--split", out("q.png")}, "--same-information");
+  fails(3, {test, truth, "--same-information", "/no/such.exr"}, "/no/such.exr");
+}
+
 TEST_F(CliCompareTest, BadInputs) {
   const std::string a = exr("a.exr", flat(1));
   const std::string small = (base_ / "in/s.png").string();

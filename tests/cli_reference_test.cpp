@@ -197,6 +197,7 @@ TEST_F(CliReferenceTest, SameInformation) {
 TEST_F(CliReferenceTest, Failures) {
   fails(2, {"--same-information", "--resume"}, "--resume");
   fails(2, {"--buffers", "b.exr"}, "--same-information");
+  fails(2, {"--gpu"}, "--same-information");
   fails(3, {"--same-information", "--buffers", "/no/such.exr"}, "/no/such.exr");
   fails(2, {"--spp", "0"}, "--spp");
   fails(2, {"--radius", "wide"}, "--radius");

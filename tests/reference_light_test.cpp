@@ -232,6 +232,35 @@ TEST(ReferenceLight, MapOfTheSky) {
   for (uint32_t c = 0; c < 3; ++c) EXPECT_NEAR(sky.mean("", c) / (2 * double(texels.at(column, row, c))), 1, 0.02) << c;
 }
 
+// Bright texels chosen or not, the light is the same, and with a sun in the map there is less noise; on diffuse and
+// glossy surfaces, straight from the sky and over bounces.
+TEST(ReferenceLight, BrightTexels) {
+  Builder b;
+  floor_square(b, b.material({.base_color = vec3(0.5f), .roughness = 0.5f}));
+  b.box({0, 0.1f, 0}, vec3(0.1f), 0.3f, b.material({.base_color = vec3(0.7f, 0.4f, 0.2f)}));
+  scene::Scene scene = scene_of(b.glb());
+  scene.environment = scene::make_environment_map(content::sky_map(content::afternoon(), 256), "sky", 1, 40);
+  for (const bool lambert : {true, false}) {
+    Settings s = lambert_settings(down_on_unit_square(), 24, 24);
+    s.lambert = lambert;
+    s.include_ambient = true;
+    s.bounces = 2;
+    const Traced chosen = trace(scene, s, "ambient,gi_1,gi_2,specular", 256);
+    s.sky = reference::SkySampling::Directions;
+    s.seed = 2;
+    const Traced blind = trace(scene, s, "ambient,gi_1,gi_2,specular", 1024);
+    for (const char* layer : {"ambient", "gi_1", "gi_2", "specular"}) {
+      if (lambert && std::string(layer) == "specular") continue;
+      const double sigma = std::hypot(chosen.sigma(layer), blind.sigma(layer));
+      EXPECT_GT(blind.mean(layer), 10 * sigma) << layer;
+      for (uint32_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(chosen.mean(layer, c), blind.mean(layer, c), 3 * std::sqrt(3) * sigma) << layer << lambert;
+    }
+    // At a quarter of the samples.
+    EXPECT_LT(chosen.rmse("ambient"), blind.rmse("ambient"));
+  }
+}
+
 // A white mirror-like room that glows: whatever the lobe, a bounce returns its directional albedo.
 TEST(ReferenceLight, GlossyFurnace) {
   for (const float roughness : {0.2f, 0.6f, 1.0f}) {

@@ -1,8 +1,12 @@
 // What the path tracer sees: holes, backs and radii; and its bookkeeping: halves, threads, checkpoints, noise.
 #include <fstream>
+#include <numbers>
 
 #include "core/error.h"
+#include "reference/world.h"
 #include "reference_bed.h"
+#include "scene/animation.h"
+#include "scene/deform.h"
 #include "scenes.h"
 
 namespace nf {
@@ -306,6 +310,54 @@ TEST(ReferenceLayers, NamesAreChecked) {
   EXPECT_EQ(reference::parse_layers("gi_2,indirect_1", 2).size(), 3u);
   for (const char* bad : {"shine", "gi_0", "gi_3", "gi_", "gi_x", "depth_1", "direct_1"})
     EXPECT_THROW(reference::parse_layers(bad, 2), Error) << bad;
+}
+
+// Skinned and morphed instances are where scene::deform has them; others where their node has them.
+TEST(ReferenceWorld, WhatMoves) {
+  scene::Scene scene = scene::load_gltf(NF_BINARY_DIR "/content/atrium.glb");
+  scene::animate(scene, 1.3);
+  const reference::World world(scene, true);
+  size_t skinned = 0, off = 0;
+  for (uint32_t i = 0; i < world.instances().size(); ++i) {
+    const reference::WorldInstance& instance = world.instances()[i];
+    ASSERT_EQ(instance.position.size(), instance.primitive->vertex_count + 1);
+    for (uint32_t v = 0; v < instance.primitive->vertex_count; ++v)
+      off += glm::distance(instance.position[v], scene::deformed_position(scene, i, v, scene::Moment::Now)) > 1e-4f;
+    skinned += scene.instances.skin[i] != scene::none;
+  }
+  EXPECT_GT(skinned, 0u);
+  EXPECT_EQ(off, 0u);
+}
+
+// The same texture transform, index of refraction and unlit surfaces as the shaders have.
+TEST(ReferenceWorld, MaterialsOfExtensions) {
+  Builder b;
+  const auto picture = b.picture("two", {2, 1, 3, {255, 0, 0, 0, 255, 0}});
+  b.quad({-0.5f, 0, 0.5f}, {0.5f, 0, 0.5f}, {0.5f, 0, -0.5f}, {-0.5f, 0, -0.5f},
+         b.material({.base_color_picture = picture}));
+  b.directional_light({0, -1, 0}, 2);
+  scene::Scene scene = scene_of(b.glb());
+  reference::Settings s = lambert_settings(down_on_unit_square(), 8, 8);
+  scene.textures[0].sampler.mag = scene::Filter::Nearest;
+  const Traced plain = trace(scene, s, "albedo", 1);
+  EXPECT_EQ(plain["albedo"].at(1, 4, 0), 1);
+  EXPECT_EQ(plain["albedo"].at(6, 4, 0), 0);
+  scene.materials[0].mapping[size_t(scene::Slot::BaseColor)].offset = {0.5f, 0};
+  const Traced moved = trace(scene, s, "albedo", 1);
+  EXPECT_EQ(moved["albedo"].at(1, 4, 0), 0);
+  EXPECT_EQ(moved["albedo"].at(6, 4, 0), 1);
+  s.lambert = false;
+  const Traced lit = trace(scene, s, "direct_diffuse,direct_specular", 1);
+  EXPECT_GT(lit.mean("direct_specular"), 0);
+  scene.materials[0].ior = 1;
+  scene.materials[0].metallic = 0;
+  const Traced matt = trace(scene, s, "direct_diffuse,direct_specular", 1);
+  EXPECT_EQ(matt.mean("direct_specular"), 0);
+  EXPECT_NEAR(matt.mean("direct_diffuse"), 0.5 * 2 / std::numbers::pi, 1e-5);
+  scene.materials[0].unlit = true;
+  const Traced unlit = trace(scene, s, "direct_diffuse,emissive", 1);
+  EXPECT_EQ(unlit.mean("direct_diffuse"), 0);
+  EXPECT_NEAR(unlit.mean("emissive"), 0.5, 1e-5);
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ TEST(SameInformation, APlaneIsOpen) {
     MarchSettings s;
     s.camera = camera;
     s.radius = 1000;
-    s.infinite_thickness = infinite;
+    s.thickness_mode = infinite ? ThicknessMode::Infinite : ThicknessMode::Constant;
     const Result r = march(buffers, s, 128);
     for (const float open : r.visibility.pixels) EXPECT_GE(open, 0.999f);
     for (const float light : r.gi.pixels) EXPECT_LE(light, 0.001f);
@@ -93,7 +93,7 @@ TEST(SameInformation, APlaneIsOpen) {
   const Buffers tilted = make_buffers(camera, {40, 40}, [&](vec3 ray) { return Seen{-3 / glm::dot(n, ray), n}; });
   MarchSettings s;
   s.camera = camera;
-  s.infinite_thickness = true;
+  s.thickness_mode = ThicknessMode::Infinite;
   for (const float open : march(tilted, s, 128).visibility.pixels) EXPECT_GE(open, 0.999f);
 }
 
@@ -115,7 +115,7 @@ TEST(SameInformation, Wall) {
     bool infinite, uniform;
   };
   for (const Case c : {Case{true, false}, Case{false, false}, Case{true, true}}) {
-    s.infinite_thickness = c.infinite;
+    s.thickness_mode = c.infinite ? ThicknessMode::Infinite : ThicknessMode::Constant;
     s.thickness = 0.3f;
     s.uniform = c.uniform;
     const Result r = march(buffers, s, 512);
@@ -176,6 +176,62 @@ TEST(SameInformation, SlabOfKnownThickness) {
   }
 }
 
+// Thickness that grows with the distance is, at one distance, a constant one.
+TEST(SameInformation, LinearThickness) {
+  constexpr float far = 2000;
+  const scene::Camera camera = camera_at({0, 0, far}, 2 * float(std::atan(2 / double(far))));
+  const Buffers buffers = make_buffers(camera, {24, 24}, [&](vec3 ray) {
+    return std::abs(ray.x) * far < 0.5f ? Seen{far - 1, {0, 0, 1}} : Seen{far, {0, 0, 1}};
+  });
+  MarchSettings s;
+  s.camera = camera;
+  s.thickness = 0.4f;
+  const Result constant = march(buffers, s, 64);
+  s.thickness_mode = ThicknessMode::Linear;
+  s.thickness = 0.4f / far;
+  const Result linear = march(buffers, s, 64);
+  for (size_t i = 0; i < linear.visibility.pixels.size(); ++i)
+    EXPECT_NEAR(linear.visibility.pixels[i], constant.visibility.pixels[i], 1 / 63.0f);
+  s.thickness = 0.4f;  // 800 m
+  EXPECT_NE(march(buffers, s, 64).visibility.pixels, constant.visibility.pixels);
+}
+
+// What comes through the open directions, as a Lambert surface reflects it.
+TEST(SameInformation, Ambient) {
+  const scene::Camera camera = camera_at({0, 1, 0}, 1.2f);
+  Buffers buffers = make_buffers(camera, {32, 24}, [](vec3 ray) {
+    return ray.y < -0.1f ? Seen{1 / -ray.y, {0, 1, 0}} : ray.x > 0 ? Seen{3} : Seen{};
+  });
+  scene::Environment sky;
+  sky.color = {1, 2, 4};
+  MarchSettings s;
+  s.camera = camera;
+  s.radius = 1000;
+  s.environment = &sky;
+  EXPECT_EQ(Marcher(buffers, s).layers().size(), 3u);  // albedo is not known
+  buffers.albedo.assign(buffers.depth.size(), {0.5f, 0.25f, 1});
+  Marcher constant(buffers, s);
+  constant.sample(64);
+  ASSERT_EQ(constant.layers().size(), 4u);
+  const image::Image visibility = constant.layers()[1].image, ambient = constant.layers()[3].image;
+  for (size_t i = 0; i < visibility.pixels.size(); ++i) {
+    if (buffers.depth[i] == 0) continue;
+    EXPECT_NEAR(ambient.pixels[i * 3], 0.5f * visibility.pixels[i], 1e-5f);
+    EXPECT_NEAR(ambient.pixels[i * 3 + 1], 0.5f * visibility.pixels[i], 1e-5f);
+    EXPECT_NEAR(ambient.pixels[i * 3 + 2], 4 * visibility.pixels[i], 1e-5f);
+  }
+  // Black at the horizon, 1 - (1 - y)^4 above: over the cosine 1 - 2 B(2, 5) = 14 / 15.
+  sky.kind = scene::EnvironmentKind::Gradient;
+  sky.zenith = vec3(1);
+  Buffers floor = make_buffers(camera, {32, 24}, [](vec3 ray) {
+    return ray.y < 0 ? Seen{1 / -ray.y, {0, 1, 0}} : Seen{};
+  });
+  floor.albedo.assign(floor.depth.size(), vec3(1));
+  Marcher gradient(floor, s);
+  gradient.sample(256);
+  EXPECT_NEAR(gradient.layers()[3].image.at(16, 20, 0), 14 / 15.0, 2e-3);
+}
+
 // A bar hides nothing beyond the radius, by each of the three rules.
 TEST(SameInformation, Radius) {
   constexpr float far = 2000;
@@ -186,7 +242,7 @@ TEST(SameInformation, Radius) {
   });
   MarchSettings s;
   s.camera = camera;
-  s.infinite_thickness = true;
+  s.thickness_mode = ThicknessMode::Infinite;
   s.one_sided = false;
   // Pixel 35 is at x = 0.96875, so 0.46875 from the block; its radius of 0.7 m stays in the picture.
   const auto open = [&](RadiusMode mode, float radius) {

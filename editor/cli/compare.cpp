@@ -10,8 +10,8 @@
 #include "cli/options.h"
 #include "cli/picture_input.h"
 #include "core/log.h"
+#include "image/error_split.h"
 #include "image/file.h"
-#include "image/metrics.h"
 
 namespace nf::editor {
 namespace {
@@ -20,6 +20,7 @@ using nlohmann::json;
 
 struct CompareOptions : CommonOptions {
   std::string test, reference, layer, reference_layer, mask, mask_layer, heatmap, diff, json_file;
+  std::string same, same_layer, split;  // of the error: what has the same information
   std::string metric = "all", flip = "auto", heat_metric;
   uint32_t block = 1;
   float range = 0;
@@ -72,6 +73,9 @@ class CompareJob {
     }
     if (o_.max_fail_fraction && !o_.max_abs)
       fail(Exit::Usage, "--max-fail-fraction needs --max-abs: the limit a pixel fails at");
+    if (o_.same.empty() && !(o_.split.empty() && o_.same_layer.empty()))
+      fail(Exit::Usage,
+           "--split and --same-layer need --same-information: what a perfect estimator makes of the screen");
     load();
     for (const image::MetricInfo* info : wanted_) measured_[info->id] = image::measure(info->metric, pair_, hdr_);
     check();
@@ -93,6 +97,11 @@ class CompareJob {
     hdr_ = o_.flip == "auto" ? test.linear || reference.linear : o_.flip == "hdr";
     image::Image mask;
     if (!o_.mask.empty()) mask = read_picture(o_.mask, o_.mask_layer, true).image;
+    if (!o_.same.empty()) {
+      PictureInput same =
+          o_.same_layer.empty() ? read_picture(o_.same, o_.layer, true) : read_picture(o_.same, o_.same_layer);
+      same_ = image::block_means(image::make_pair(test.image, std::move(same.image), mask), o_.block).reference;
+    }
     pair_ = image::block_means(image::make_pair(std::move(test.image), std::move(reference.image), mask), o_.block);
     counted_ = 0;
     for (size_t i = 0; i < size_t(pair_.test.width) * pair_.test.height; ++i) counted_ += pair_.counts(i);
@@ -142,6 +151,15 @@ class CompareJob {
       image::write_png(o_.diff, image::signed_picture(pair_, range));
       written_.push_back(o_.diff);
     }
+    if (!o_.split.empty()) {
+      image::write_png(o_.split, image::split_picture(pair_.test, same_, pair_.reference, pair_.mask, o_.range));
+      written_.push_back(o_.split);
+    }
+  }
+
+  // Three pictures without halves: their noise counts as error.
+  image::ErrorSplit split() const {
+    return image::split_error({pair_.test, pair_.test}, {same_, same_}, {pair_.reference, pair_.reference}, pair_.mask);
   }
 
   json document() const {
@@ -162,6 +180,14 @@ class CompareJob {
       checks.push_back({{"name", c.name}, {"value", number(c.value)}, {"limit", c.limit}, {"passed", c.passed}});
       passed &= c.passed;
     }
+    json parts = nullptr;
+    if (same_.width > 0) {
+      const image::ErrorSplit s = split();
+      const auto part = [](const image::ErrorPart& p) -> json {
+        return {{"bias", number(p.bias)}, {"rmse", number(p.rmse)}};
+      };
+      parts = {{"total", part(s.total)}, {"estimator", part(s.estimator)}, {"missing", part(s.missing)}};
+    }
     const image::Bias b = image::bias(pair_);
     return {{"schema", "nearfield.compare/1"},
             {"version", version_line()},
@@ -176,6 +202,7 @@ class CompareJob {
             {"bias", number(b.difference)},
             {"reference_mean", number(b.reference)},
             {"metrics", values},
+            {"split", parts},
             {"checks", checks},
             {"passed", passed},
             {"written", written_}};
@@ -203,6 +230,12 @@ class CompareJob {
       fmt::print("  {:8} {:12.6g}             {:11.5g} {:11.5g} {:11.5g}  {},{}\n", info->id, m.value, m.pooled.p50,
                  m.pooled.p95, m.pooled.max, m.pooled.worst_x * o_.block, m.pooled.worst_y * o_.block);
     }
+    if (same_.width > 0) {
+      const image::ErrorSplit s = split();
+      fmt::print("  total = estimator + missing:  bias        rmse\n");
+      for (const auto& [name, part] : {std::pair("total", s.total), {"estimator", s.estimator}, {"missing", s.missing}})
+        fmt::print("  {:24} {:+10.5g}  {:10.5g}\n", name, part.bias, part.rmse);
+    }
     for (const Check& c : checks_)
       fmt::print("  {} {}: {:.6g}, limit {:.6g}\n", c.passed ? "ok  " : "FAIL", c.name, c.value, c.limit);
     for (const std::string& name : written_) fmt::print("{}\n", name);
@@ -211,6 +244,7 @@ class CompareJob {
   const CompareOptions& o_;
   std::vector<const image::MetricInfo*> wanted_;
   image::Pair pair_;
+  image::Image same_;  // empty without --same-information
   std::string layer_;
   bool hdr_ = false;
   uint64_t counted_ = 0;
@@ -233,7 +267,10 @@ std::string metric_help() {
          "  nearfield compare gi.exr ref.exr --layer gi --mask mask.exr --block 8\n"
          "  nearfield compare new.png golden.png --max-abs 0.0196 --max-fail-fraction 0.001     # 5/255, one in "
          "thousand\n"
-         "  nearfield compare gi.exr ref.exr --metric relmse,flip --max-flip 0.05 --heatmap heat.png --json -";
+         "  nearfield compare gi.exr ref.exr --metric relmse,flip --max-flip 0.05 --heatmap heat.png --json -\n"
+         "  nearfield compare f.exr ref.exr --layer gi_raw --reference-layer gi_1 --same-information same.exr "
+         "--same-layer gi "
+         "--split parts.png";
 }
 
 }  // namespace
@@ -275,6 +312,14 @@ Command add_compare(CLI::App& parent) {
   app->add_option("--heatmap-metric", state->heat_metric, "What the heat map shows (default flip where measured)")
       ->check(CLI::IsMember({"mae", "mse", "rmse", "relmse", "psnr", "ssim", "flip"}));
   app->add_option("--diff", state->diff, "Picture of the signed difference: red too bright, blue too dark")
+      ->type_name("FILE.png");
+  app->add_option(
+         "--same-information", state->same,
+         "What a perfect estimator makes of the same screen (`reference --same-information`): splits the error "
+         "into the technique's own and what the screen does not show")
+      ->type_name("FILE");
+  app->add_option("--same-layer", state->same_layer, "Layer of that file where it has another name")->type_name("NAME");
+  app->add_option("--split", state->split, "Heat maps of total, estimator's and missing error side by side, one scale")
       ->type_name("FILE.png");
   app->add_option("--range", state->range, "Error at the end of the colour scale (default: 1 for flip, else the p95)")
       ->type_name("X")

@@ -58,6 +58,7 @@ Command add_info(CLI::App& app);
 Command add_graph(CLI::App& app);
 Command add_compare(CLI::App& app);
 Command add_reference(CLI::App& app);
+Command add_evaluate(CLI::App& app);
 
 // The command line without its output files: the same for runs that must give the same bytes.
 void keep_command_line(int argc, char** argv);

@@ -12,6 +12,7 @@
 #include "cli/scene_input.h"
 #include "core/log.h"
 #include "image/file.h"
+#include "marcher.h"
 #include "scene/view.h"
 
 namespace nf::editor {
@@ -44,7 +45,17 @@ class ReferenceJob {
     start_ = Clock::now();
     if (o_.same_information) {
       reference::Buffers buffers = read_buffers(scene, settings);
-      reference::Marcher marcher(std::move(buffers), march_settings(o_, frame.gi.shared, settings.camera));
+      reference::MarchSettings march = march_settings(o_, frame, settings.camera);
+      // Ambient light can be told where albedo is the diffuse reflectance.
+      if (frame.material.lambert != 0) march.environment = &scene.environment;
+      if (const std::string note = march_note(frame); !note.empty()) log::warn("{}", note);
+      if (o_.gpu) {
+        gpu::Device device(device_options(o_));
+        backend_ = fmt::format("{}, {} {}", device.info.name, device.info.driver, device.info.driver_info);
+        passes::GpuMarcher marcher(device, std::move(buffers), march);
+        return finish(marcher);
+      }
+      reference::Marcher marcher(std::move(buffers), march);
       return finish(marcher);
     }
     reference::Tracer tracer(scene, settings, layers);
@@ -62,24 +73,27 @@ class ReferenceJob {
   void check_kind(const passes::GiParams& gi) {
     if (o_.same_information && o_.resume)
       fail(Exit::Usage, "--same-information has no checkpoints: leave --resume away");
-    if (!o_.same_information && (!o_.buffers.empty() || o_.any_emitter || o_.directions != "cosine"))
-      fail(Exit::Usage, "--buffers, --any-emitter and --directions belong to --same-information: add it");
+    if (!o_.same_information && (!o_.buffers.empty() || o_.any_emitter || o_.directions != "cosine" || o_.gpu))
+      fail(Exit::Usage, "--buffers, --any-emitter, --directions and --gpu belong to --same-information: add it");
     const std::string radius = !o_.radius.empty()    ? o_.radius
                                : o_.same_information ? fmt::format("{}", gi.radius)
                                                      : "inf";
-    const std::string mode = !o_.radius_mode.empty() ? o_.radius_mode : o_.same_information ? "disc" : "ball";
+    constexpr const char* modes[] = {"disc", "ball", "ball_falloff"};
+    const std::string mode = !o_.radius_mode.empty() ? o_.radius_mode
+                             : o_.same_information   ? modes[gi.radius_mode]
+                                                     : "ball";
     radius_text_ = radius + " " + mode;
   }
 
   // What the techniques see: out of a file, or made here from the first surfaces and their direct light.
   reference::Buffers read_buffers(const scene::Scene& scene, const reference::Settings& settings) {
     if (o_.buffers.empty()) {
-      reference::Tracer tracer(scene, settings, {"depth", "normal", "radiance"});
+      reference::Tracer tracer(scene, settings, {"depth", "normal", "radiance", "albedo"});
       tracer.sample(2);
       inputs_ = tracer.layers();
     } else {
       for (image::Layer& layer : image::read_exr(o_.buffers).layers)
-        if (layer.name == "depth" || layer.name == "normal" || layer.name == "radiance")
+        if (layer.name == "depth" || layer.name == "normal" || layer.name == "radiance" || layer.name == "albedo")
           inputs_.push_back(std::move(layer));
     }
     return reference::buffers_from(inputs_);
@@ -146,7 +160,7 @@ class ReferenceJob {
       noise += fmt::format("{}{}={:.6g}", noise.empty() ? "" : " ", n.layer.empty() ? "RGB" : n.layer, n.rmse);
     const std::map<std::string, std::string> header = {{"nearfield.command", command_line()},
                                                        {"nearfield.version", version_short()},
-                                                       {"nearfield.device", reference::backend()},
+                                                       {"nearfield.device", backend_},
                                                        {"nearfield.seed", fmt::format("{}", o_.seed)},
                                                        {"nearfield.spp", fmt::format("{}", tracer.samples())},
                                                        {"nearfield.bounces", fmt::format("{}", o_.bounces)},
@@ -196,7 +210,7 @@ class ReferenceJob {
                                        {"complete", complete},
                                        {"version", version_line()},
                                        {"command", command_line()},
-                                       {"backend", reference::backend()},
+                                       {"backend", backend_},
                                        {"size", {parse_size(o_.size).x, parse_size(o_.size).y}},
                                        {"spp", tracer.samples()},
                                        {"seconds", seconds},
@@ -226,7 +240,7 @@ class ReferenceJob {
   Clock::time_point start_;
   std::vector<std::string> written_;
   std::vector<image::Layer> inputs_;  // of --same-information
-  std::string radius_text_;
+  std::string radius_text_, backend_ = reference::backend();
 };
 
 }  // namespace

@@ -35,7 +35,7 @@ reference::Settings tracer_settings(const ReferenceOptions& o, const passes::Mat
   s.bounces = o.bounces;
   s.radius = parse_radius(o.radius);
   s.radius_mode = parse_radius_mode(o.radius_mode, reference::RadiusMode::Ball);
-  s.falloff = o.falloff;
+  s.falloff = o.falloff.value_or(s.falloff);
   s.bound_gi = o.bound_gi;
   s.lambert = material.lambert != 0;
   s.blending = reference::Blending(material.blend);
@@ -45,20 +45,49 @@ reference::Settings tracer_settings(const ReferenceOptions& o, const passes::Mat
   s.emitters = o.emitters == "directions" ? reference::EmitterSampling::Directions
                : o.emitters == "surfaces" ? reference::EmitterSampling::Surfaces
                                           : reference::EmitterSampling::Both;
+  s.sky = o.sky == "directions" ? reference::SkySampling::Directions : reference::SkySampling::Both;
   s.seed = o.seed;
   s.threads = o.threads;
   return s;
 }
 
-reference::MarchSettings march_settings(const ReferenceOptions& o, const passes::GiParams& gi,
-                                        const scene::Camera& camera) {
+reference::MarchSettings march_settings(const passes::FrameSettings& frame, const scene::Camera& camera) {
+  const passes::GiParams& gi = frame.gi.shared;
   reference::MarchSettings s;
   s.camera = camera;
-  s.radius = o.radius.empty() ? gi.radius : parse_radius(o.radius);
-  s.radius_mode = parse_radius_mode(o.radius_mode, reference::RadiusMode::Disc);
-  s.falloff = o.falloff;
+  s.radius = gi.radius;
+  s.radius_mode = gi.radius_mode == 0   ? reference::RadiusMode::Disc
+                  : gi.radius_mode == 1 ? reference::RadiusMode::Ball
+                                        : reference::RadiusMode::BallFalloff;
+  s.falloff = gi.falloff;
   s.thickness = gi.thickness;
-  s.infinite_thickness = gi.thickness_mode == 3;  // infinite
+  s.thickness_mode = gi.thickness_mode == 1   ? reference::ThicknessMode::Linear
+                     : gi.thickness_mode == 3 ? reference::ThicknessMode::Infinite
+                                              : reference::ThicknessMode::Constant;
+  if (frame.technique->infinitely_thick) s.thickness_mode = reference::ThicknessMode::Infinite;
+  if (frame.technique->in_ball) s.radius_mode = reference::RadiusMode::Ball;
+  return s;
+}
+
+std::string march_note(const passes::FrameSettings& frame) {
+  const passes::GiParams& gi = frame.gi.shared;
+  if (frame.technique->infinitely_thick) return "";
+  std::string note;
+  if (gi.thickness_mode == 2)
+    note =
+        fmt::format("angular thickness depends on the receiver, not on the data: constant {} m is taken", gi.thickness);
+  if (gi.back_along == 1)
+    note += fmt::format("{}backs along the receiver's view ray are no property of the data: the sample's own is taken",
+                        note.empty() ? "" : "; ");
+  return note;
+}
+
+reference::MarchSettings march_settings(const ReferenceOptions& o, const passes::FrameSettings& frame,
+                                        const scene::Camera& camera) {
+  reference::MarchSettings s = march_settings(frame, camera);
+  if (!o.radius.empty()) s.radius = parse_radius(o.radius);
+  s.radius_mode = parse_radius_mode(o.radius_mode, s.radius_mode);
+  if (o.falloff) s.falloff = *o.falloff;
   s.one_sided = !o.any_emitter;
   s.uniform = o.directions == "uniform";
   s.sampler = o.sampler == "independent" ? reference::SamplerKind::Independent : reference::SamplerKind::Sobol;
@@ -112,11 +141,11 @@ void add_reference_flags(CLI::App& app, ReferenceOptions& o) {
   app.add_option(
          "--radius-mode", o.radius_mode,
          "ball: occluders within R of the point; ball_falloff: with a weight that fades; disc: within R of it on the "
-         "screen, at any depth, as techniques on a depth buffer see them. Default ball, with --same-information disc")
+         "screen, at any depth, as techniques on a depth buffer see them. Default ball, with --same-information "
+         "gi.radius_mode")
       ->check(CLI::IsMember({"ball", "ball_falloff", "disc"}));
-  app.add_option("--falloff", o.falloff, "Share of the radius over which ball_falloff fades")
-      ->check(CLI::Range(0.0f, 1.0f))
-      ->capture_default_str();
+  app.add_option("--falloff", o.falloff, "Share of the radius over which ball_falloff fades (default 0.615)")
+      ->check(CLI::Range(0.0f, 1.0f));
   app.add_flag("--bound-gi", o.bound_gi, "gi, too, gathers only within the radius, as techniques do");
   app.add_flag("--include-ambient", o.include_ambient, "gi gathers the environment's light at the bounces too");
   app.add_option("--pixel", o.pixel, "center: one point, as the G-buffer has it; box: the mean over the pixel")
@@ -129,6 +158,10 @@ void add_reference_flags(CLI::App& app, ReferenceOptions& o) {
                  "How emissive surfaces are found: by choosing surfaces, by directions, or both weighed")
       ->check(CLI::IsMember({"both", "directions", "surfaces"}))
       ->capture_default_str();
+  app.add_option("--sky", o.sky,
+                 "How light of an environment map is found: by directions, or also by its bright texels")
+      ->check(CLI::IsMember({"both", "directions"}))
+      ->capture_default_str();
   app.add_flag("--same-information", o.same_information,
                "Instead march rays through what the techniques see: depth with gi.thickness, normals, radiance");
   app.add_option("--buffers", o.buffers,
@@ -138,6 +171,8 @@ void add_reference_flags(CLI::App& app, ReferenceOptions& o) {
   app.add_option("--directions", o.directions, "How the marched rays are spread")
       ->check(CLI::IsMember({"cosine", "uniform"}))
       ->capture_default_str();
+  app.add_flag("--gpu", o.gpu, "March on the Vulkan device; the same model in single precision, with other noise");
+  app.add_option("--device", o.device, "Which one: INDEX, part of its NAME, cpu or gpu")->envname("NEARFIELD_DEVICE");
   app.add_flag("--any-emitter", o.any_emitter, "Marched rays take light from surfaces turned away, too");
   app.add_flag("--halves", o.halves, "Also write both half-buffers, FILE.a.exr and FILE.b.exr");
   app.add_flag("--resume", o.resume, "Go on from FILE.exr.checkpoint where there is one, and keep it");

@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "capture/statistics.h"
+#include "cli/frames.h"
 #include "cli/options.h"
 #include "cli/progress.h"
 #include "cli/scene_input.h"
@@ -90,43 +90,6 @@ std::vector<const passes::Aov*> parse_layers(const RenderOptions& o, const std::
   return layers;
 }
 
-image::Layer to_layer(const passes::Aov& aov, const graph::Readback& readback) {
-  uint32_t have = 0;
-  const std::vector<float> floats = graph::to_floats(readback, have);
-  image::Layer layer{.name = aov.name, .channels = aov.channels, .image = {}};
-  const uint32_t wanted = uint32_t(layer.channels.size());
-  layer.image = {readback.desc.size.width, readback.desc.size.height, wanted,
-                 std::vector<float>(floats.size() / have * wanted)};
-  for (size_t texel = 0; texel < floats.size() / have; ++texel)
-    for (uint32_t c = 0; c < wanted; ++c) layer.image.pixels[texel * wanted + c] = floats[texel * have + c];
-  return layer;
-}
-
-image::Image8 to_image8(const graph::Readback& readback) {
-  image::Image8 out{readback.desc.size.width, readback.desc.size.height, 3, {}};
-  out.pixels.reserve(readback.texels.size() / 4 * 3);
-  for (size_t i = 0; i < readback.texels.size(); i += 4)
-    for (size_t c = 0; c < 3; ++c) out.pixels.push_back(uint8_t(readback.texels[i + c]));
-  return out;
-}
-
-nlohmann::json times_json(const std::vector<std::pair<std::string, capture::Statistics>>& rows) {
-  nlohmann::json out = nlohmann::json::array();
-  for (const auto& [name, s] : rows)
-    out.push_back({{"path", name},
-                   {"gpu_ms",
-                    {{"count", s.count},
-                     {"min", s.min},
-                     {"median", s.median},
-                     {"p95", s.p95},
-                     {"p99", s.p99},
-                     {"max", s.max},
-                     {"mean", s.mean},
-                     {"stddev", s.stddev},
-                     {"mad", s.mad}}}});
-  return out;
-}
-
 class RenderJob {
  public:
   explicit RenderJob(RenderOptions& options) : o_(options), start_(Clock::now()) {}
@@ -159,7 +122,7 @@ class RenderJob {
         move(scene, renderer, n);
         run_frame(renderer, settings, layers, pictures, n, last || (each && n >= o_.warmup));
         if (n >= o_.warmup && each) write(outputs, layers, device, n - o_.warmup, true, true);
-        progress.update(n + 1, fmt::format("{:.1f} ms", frame_ms_.empty() ? 0.0 : frame_ms_.back()));
+        progress.update(n + 1, fmt::format("{:.1f} ms", times_.frame_ms.empty() ? 0.0 : times_.frame_ms.back()));
         if (last) {
           complete = n + 1 == total;
           break;
@@ -170,7 +133,7 @@ class RenderJob {
                n + 1, total, o_.timeout);
       }
     }
-    if (frame_ms_.empty() && complete && o_.frames > 0) log::debug("no pass times: the device has no timestamps");
+    if (times_.frame_ms.empty() && complete && o_.frames > 0) log::debug("no pass times: the device has no timestamps");
     if (!complete && readbacks_.empty()) return int(Exit::Interrupted);
     write(outputs, layers, device, o_.frames - 1, false, complete);
     report(device, renderer, settings, complete);
@@ -191,15 +154,14 @@ class RenderJob {
   // A layer that this technique does not have: dropped from "all", an error when it was asked for by name.
   void check_layers(passes::Renderer& renderer, const passes::FrameSettings& settings,
                     std::vector<const passes::Aov*>& layers) {
-    graph::Graph graph;
-    const passes::FrameOutputs outputs = renderer.build(graph, view_, settings);
-    std::erase_if(layers, [&](const passes::Aov* aov) {
-      if (renderer.add_layer(graph, outputs, *aov)) return false;
+    const std::vector<const passes::Aov*> given = layers_given(renderer, view_, settings, layers);
+    for (const passes::Aov* aov : layers) {
+      if (std::find(given.begin(), given.end(), aov) != given.end()) continue;
       if (o_.aov != "all")
         fail(Exit::Input, "no layer '{}': the technique {} does not give it", aov->name, settings.technique->id);
       log::info("no layer '{}': the technique {} does not give it", aov->name, settings.technique->id);
-      return true;
-    });
+    }
+    layers = given;
   }
 
   void run_frame(passes::Renderer& renderer, const passes::FrameSettings& settings,
@@ -207,33 +169,10 @@ class RenderJob {
     view_.frame_index = n;
     const bool counted = n >= o_.warmup;
     const int64_t mean = o_.accumulate && counted ? int64_t(n - o_.warmup) : -1;
-    graph::Graph graph(renderer.executor().histories());
-    const passes::FrameOutputs outputs = renderer.build(graph, view_, settings);
-    // The read-backs are part of every frame, so that the plan is the same and the passes are not culled.
-    for (const passes::Aov* aov : layers)
-      graph.readback("readback.layer", renderer.add_layer(graph, outputs, *aov, mean));
-    if (outputs.loop_energy) graph.readback("readback.loop_energy", outputs.loop_energy);
-    if (outputs.clamped_energy) graph.readback("readback.clamped_energy", outputs.clamped_energy);
-    if (pictures || layers.empty())
-      graph.readback("readback.picture", renderer.add_picture(graph, outputs, settings, mean));
-    renderer.executor().run(graph, {.timing = parse_timing(o_.timing)});
-    view_.previous_camera = view_.camera;
-    const graph::FrameResult result = renderer.executor().finish();
-    if (counted) {
-      // Read-backs are one row: there is one for each layer.
-      std::map<std::string, double> merged;
-      std::vector<std::string> order;
-      for (const graph::PassTime& pass : result.passes) {
-        const std::string name = std::string_view(pass.name).starts_with("readback.") ? "readback" : pass.name;
-        if (!merged.count(name)) order.push_back(name);
-        merged[name] += pass.ms;
-      }
-      for (const std::string& name : order) {
-        if (!pass_ms_.count(name)) pass_order_.push_back(name);
-        pass_ms_[name].push_back(merged[name]);
-      }
-      if (!result.passes.empty()) frame_ms_.push_back(result.frame_ms);
-    }
+    const graph::FrameResult result =
+        editor::run_frame(renderer, view_, settings,
+                          {.layers = layers, .picture = pictures, .mean = mean, .timing = parse_timing(o_.timing)});
+    if (counted) times_.add(result);
     if (wanted) readbacks_ = renderer.executor().take_readbacks();
     if (wanted) measure();
   }
@@ -285,9 +224,8 @@ class RenderJob {
 
   void report(const gpu::Device& device, passes::Renderer& renderer, const passes::FrameSettings& settings,
               bool complete) {
-    std::vector<std::pair<std::string, capture::Statistics>> rows;
-    for (const std::string& name : pass_order_) rows.emplace_back(name, capture::statistics(pass_ms_[name]));
-    const capture::Statistics frame = capture::statistics(frame_ms_);
+    const std::vector<std::pair<std::string, capture::Statistics>> rows = times_.rows();
+    const capture::Statistics frame = capture::statistics(times_.frame_ms);
     double sum = 0;
     for (const auto& [name, s] : rows) sum += s.median;
     const graph::Plan& plan = renderer.executor().plan();
@@ -304,7 +242,7 @@ class RenderJob {
                                        {"technique", settings.technique->id},
                                        {"size", {view_.size.x, view_.size.y}},
                                        {"seed", o_.seed},
-                                       {"frames", frame_ms_.size()},
+                                       {"frames", times_.frame_ms.size()},
                                        {"timing", o_.timing},
                                        {"draws", renderer.draws()},
                                        {"batches", renderer.batches()},
@@ -326,8 +264,8 @@ class RenderJob {
     }
     if (!rows.empty() && !o_.quiet) {
       fmt::print("{} on {} ({}), {}x{}, {} frame{}, median ms ({}{}):\n", settings.technique->id, device.info.name,
-                 device.info.type, view_.size.x, view_.size.y, frame_ms_.size(), frame_ms_.size() == 1 ? "" : "s",
-                 o_.timing, device.facts.software ? ", CPU times" : "");
+                 device.info.type, view_.size.x, view_.size.y, times_.frame_ms.size(),
+                 times_.frame_ms.size() == 1 ? "" : "s", o_.timing, device.facts.software ? ", CPU times" : "");
       for (const auto& [name, s] : rows)
         fmt::print("  {:24} {:9.3f}  {:5.1f} %\n", name, s.median,
                    frame.median > 0 ? 100 * s.median / frame.median : 0);
@@ -348,9 +286,8 @@ class RenderJob {
   Clock::time_point start_;
   passes::FrameView view_;
   std::map<std::string, double> measured_;
-  std::map<std::string, std::vector<double>> pass_ms_;
-  std::vector<std::string> pass_order_, written_;
-  std::vector<double> frame_ms_;
+  PassTimes times_;
+  std::vector<std::string> written_;
   std::vector<graph::Readback> readbacks_;
 };
 

@@ -46,7 +46,7 @@ float mean_brightness(const World& world, const scene::Material& m) {
 
 }  // namespace
 
-Lights::Lights(const World& world) : world_(world) {
+Lights::Lights(const World& world) : world_(world), sky_(world.scene().environment) {
   for (const scene::DirectionalLight& l : world.scene().directional) soft_ |= l.angle_deg > 0;
   for (const scene::PunctualLight& l : world.scene().punctual) soft_ |= l.radius > 0;
   double total = 0;

@@ -6,6 +6,7 @@
 
 #include "reference/rays.h"
 #include "reference/sampler.h"
+#include "reference/sky.h"
 
 namespace nf::reference {
 
@@ -36,6 +37,8 @@ class Lights {
   // The density, per area, with which that triangle's points are chosen.
   float density(uint32_t instance, uint32_t triangle) const;
 
+  const Sky& sky() const { return sky_; }
+
  private:
   struct Emitter {
     uint32_t instance, triangle;
@@ -43,6 +46,7 @@ class Lights {
     double up_to_here;  // of the total weight
   };
   const World& world_;
+  Sky sky_;
   std::vector<Emitter> triangles_;
   std::vector<uint32_t> first_;  // by instance: row of its first triangle in `densities_`, or none
   std::vector<float> densities_;

@@ -93,6 +93,39 @@ float weight(const Integrator& it, EmitterSampling way, float mine, float other)
   return mine / (mine + other);
 }
 
+// Whether bright texels of the environment are chosen, too.
+bool chooses_sky(const Integrator& it) {
+  return it.lights.sky().any() && it.settings.sky == SkySampling::Both;
+}
+
+// The balance heuristic's weight of a direction that a lobe of density `mine` gave and that found the sky.
+float sky_weight(const Integrator& it, vec3 direction, float mine) {
+  return chooses_sky(it) ? mine / (mine + it.lights.sky().density(direction)) : 1;
+}
+
+struct SkyLight {
+  vec3 radiance{0}, to_light{0};
+  float density = 0;  // per solid angle; 0: nothing is seen there
+};
+
+// A bright direction of the sky, where `s` sees it.
+SkyLight seen_sky(const Integrator& it, const Surface& s, Stream& stream, uint64_t& ray_count) {
+  const Sky::Choice c = it.lights.sky().choose(stream.next2());
+  if (!(c.density > 0) || glm::dot(s.n, c.direction) <= 0 || glm::dot(s.ng, c.direction) <= 0) return {};
+  ++ray_count;
+  const float open = it.rays.open({start(s), c.direction, 0, far_away});
+  if (open == 0) return {};
+  return {it.world.environment(c.direction) * open, c.direction, c.density};
+}
+
+// What `s` gets of the sky over pi, by that choice and with its weight against cosine-distributed directions.
+vec3 chosen_sky(const Integrator& it, const Surface& s, Stream& stream, uint64_t& ray_count) {
+  const SkyLight l = seen_sky(it, s, stream, ray_count);
+  if (!(l.density > 0)) return vec3(0);
+  const float cosine = glm::dot(s.n, l.to_light) / pi;
+  return l.radiance * (cosine / (l.density + cosine));
+}
+
 // How open a direction is whose first hit is at distance t; techniques.md's three meanings of the radius.
 float openness(const Settings& settings, vec3 receiver, vec3 direction, float distance) {
   const float radius = settings.radius;
@@ -135,6 +168,10 @@ void diffuse_walk(const Integrator& it, Stream& stream, PixelSample& sample, uin
         sample.gi[k] += throughput * e.radiance * (w * cosine / (pi * e.density));
       }
     }
+    if (chooses_sky(it)) {
+      if (k == 0 && it.wanted.ambient) sample.ambient += s.diffuse * chosen_sky(it, s, stream, ray_count);
+      if (k > 0 && gathers_sky) sample.gi[k - 1] += throughput * chosen_sky(it, s, stream, ray_count);
+    }
     const vec3 direction = frame_about(s.n) * cosine_direction(stream.next2());
     const float cosine = glm::dot(s.n, direction);
     // Below the geometric surface there is only its own inside.
@@ -150,8 +187,8 @@ void diffuse_walk(const Integrator& it, Stream& stream, PixelSample& sample, uin
     }
     if (inside) return;
     if (!hit.any()) {
-      const vec3 sky = it.world.environment(direction);
-      if (k == 0) sample.ambient = s.diffuse * sky;
+      const vec3 sky = it.world.environment(direction) * sky_weight(it, direction, cosine / pi);
+      if (k == 0) sample.ambient += s.diffuse * sky;
       if (k > 0 && gathers_sky) sample.gi[k - 1] += throughput * sky;
       return;
     }
@@ -175,11 +212,20 @@ void ambient_specular(const Integrator& it, vec3 direction, Stream& stream, Pixe
   const mat3 frame = frame_about(s.n);
   const vec3 v = seen_from(frame, -direction);
   const float alpha = alpha_of(s.roughness);
+  if (chooses_sky(it)) {
+    const SkyLight sky = seen_sky(it, s, stream, ray_count);
+    if (sky.density > 0) {
+      const vec3 to_light = glm::transpose(frame) * sky.to_light;
+      sample.ambient += reference::specular(s.f0, alpha, v, to_light) * sky.radiance /
+                        (sky.density + specular_density(alpha, v, to_light));
+    }
+  }
   const vec3 l = specular_direction(alpha, v, stream.next2());
   const float density = specular_density(alpha, v, l);
   const vec3 out = frame * l;
   if (density <= 0 || glm::dot(out, s.ng) <= 0) return;
-  const vec3 reflected = reference::specular(s.f0, alpha, v, l) * it.world.environment(out) / density;
+  const vec3 reflected =
+      reference::specular(s.f0, alpha, v, l) * it.world.environment(out) * (sky_weight(it, out, density) / density);
   if (is_black(reflected)) return;
   ++ray_count;
   sample.ambient += reflected * it.rays.open({start(s), out, 0, far_away});
@@ -225,6 +271,14 @@ void specular_walk(const Integrator& it, vec3 direction, Stream& stream, PixelSa
         sample.specular += (all * both - diffuse * lobes.diffuse_lobe(l)) * e.radiance * w;
       }
     }
+    if (k > 0 && settings.include_ambient && chooses_sky(it)) {
+      const SkyLight sky = seen_sky(it, s, stream, ray_count);
+      const vec3 to_light = glm::transpose(lobes.frame) * sky.to_light;
+      if (sky.density > 0)
+        sample.specular += (all * (lobes.diffuse_lobe(to_light) + lobes.specular_lobe(to_light)) -
+                            diffuse * lobes.diffuse_lobe(to_light)) *
+                           sky.radiance / (sky.density + lobes.density(to_light));
+    }
     const vec3 l = lobes.sample(stream);
     const float density = lobes.density(l);
     const vec3 out = lobes.frame * l;
@@ -235,7 +289,8 @@ void specular_walk(const Integrator& it, vec3 direction, Stream& stream, PixelSa
     ++ray_count;
     const Hit hit = it.rays.closest({start(s), out, 0, far_away});
     if (!hit.any()) {
-      if (k > 0 && settings.include_ambient) sample.specular += (all - diffuse) * it.world.environment(out);
+      if (k > 0 && settings.include_ambient)
+        sample.specular += (all - diffuse) * it.world.environment(out) * sky_weight(it, out, density);
       return;
     }
     if (k >= settings.bounces) return;

@@ -29,6 +29,9 @@ enum class EmitterSampling : uint8_t { Both, Directions, Surfaces };
 // the layers are of what is behind, and the final radiance has it over that. CutOut: as MASK, at alpha 0.5.
 enum class Blending : uint8_t { Over, CutOut };
 
+// The same of an environment map: Both also chooses bright texels, and weighs.
+enum class SkySampling : uint8_t { Both, Directions };
+
 inline constexpr uint32_t max_bounces = 16;
 
 struct Settings {
@@ -45,6 +48,7 @@ struct Settings {
   bool pixel_box = false;        // average over the pixel; else its centre, where the G-buffer has its sample
   SamplerKind sampler = SamplerKind::Sobol;
   EmitterSampling emitters = EmitterSampling::Both;
+  SkySampling sky = SkySampling::Both;
   uint32_t seed = 1;
   uint32_t threads = 0;  // 0: all there are. The result does not depend on it.
 };
@@ -70,6 +74,9 @@ struct Noise {
 
 // Name and version of what traces the rays.
 std::string backend();
+
+// A number of everything that decides what a tracer finds, but for the number of samples.
+uint64_t fingerprint(const scene::Scene& scene, const Settings& settings, const std::vector<std::string>& layers);
 
 class Tracer {
  public:

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "reference/columns.h"
 #include "reference/film.h"
 #include "reference/scatter.h"
 #include "scene/camera.h"
@@ -21,11 +22,6 @@ constexpr double endless = std::numeric_limits<double>::infinity();
 // Depths are floats, and so are the slopes made of them: nearer than this share of 1/z a ray is on a plane, not behind.
 constexpr double rounding = 2e-6;
 
-struct Column {
-  double w = 0;    // 1 / depth at the centre, 0 = none
-  dvec2 slope{0};  // of 1 / depth, a texel
-};
-
 const image::Layer& find(const std::vector<image::Layer>& layers, const std::string& name, uint32_t channels) {
   for (const image::Layer& layer : layers)
     if (layer.name == name && layer.image.channels == channels) return layer;
@@ -34,45 +30,6 @@ const image::Layer& find(const std::vector<image::Layer>& layers, const std::str
        "--precision float`",
        name);
 }
-
-// The smaller of two differences; one beside the edge of something is no slope.
-double gentle(double back, double forward) {
-  return std::abs(back) < std::abs(forward) ? back : forward;
-}
-
-std::vector<Column> make_columns(const Buffers& b) {
-  std::vector<Column> columns(b.depth.size());
-  const auto w = [&](uint32_t x, uint32_t y) {
-    const float z = b.depth[size_t(y) * b.size.x + x];
-    return z > 0 ? 1 / double(z) : 0;
-  };
-  for (uint32_t y = 0; y < b.size.y; ++y) {
-    for (uint32_t x = 0; x < b.size.x; ++x) {
-      Column& c = columns[size_t(y) * b.size.x + x];
-      c.w = w(x, y);
-      const auto slope = [&](bool has_before, bool has_after, double before, double after) {
-        const bool back = has_before && before > 0, forward = has_after && after > 0;
-        if (back && forward) return gentle(c.w - before, after - c.w);
-        return back ? c.w - before : forward ? after - c.w : 0;
-      };
-      if (c.w == 0) continue;
-      c.slope.x = slope(x > 0, x + 1 < b.size.x, x > 0 ? w(x - 1, y) : 0, x + 1 < b.size.x ? w(x + 1, y) : 0);
-      c.slope.y = slope(y > 0, y + 1 < b.size.y, y > 0 ? w(x, y - 1) : 0, y + 1 < b.size.y ? w(x, y + 1) : 0);
-    }
-  }
-  return columns;
-}
-
-// Pixels (integer + 0.5, y down) from tangents and back, as the renderer's frame block has them.
-struct Screen {
-  dvec2 scale{1}, offset{0};
-  Screen(const scene::Camera& camera, glm::uvec2 size) {
-    const double ty = std::tan(double(camera.vfov) / 2), tx = ty * size.x / size.y;
-    scale = {2 * tx / size.x, -2 * ty / size.y};
-    offset = {-tx, ty};
-  }
-  dvec2 tangents(dvec2 pixel) const { return pixel * scale + offset; }
-};
 
 struct Stop {
   bool any = false;
@@ -93,7 +50,17 @@ Buffers buffers_from(const std::vector<image::Layer>& layers) {
     b.normal.emplace_back(normal.pixels[i * 3], normal.pixels[i * 3 + 1], normal.pixels[i * 3 + 2]);
     b.radiance.emplace_back(radiance.pixels[i * 3], radiance.pixels[i * 3 + 1], radiance.pixels[i * 3 + 2]);
   }
+  for (const image::Layer& layer : layers)
+    if (layer.name == "albedo" && layer.image.channels == 3 && layer.image.pixels.size() == b.depth.size() * 3)
+      for (size_t i = 0; i < b.depth.size(); ++i)
+        b.albedo.emplace_back(layer.image.pixels[i * 3], layer.image.pixels[i * 3 + 1], layer.image.pixels[i * 3 + 2]);
   return b;
+}
+
+std::vector<std::string> march_layers(const Buffers& buffers, const MarchSettings& settings) {
+  std::vector<std::string> names = {"gi", "visibility", "bent"};
+  if (settings.environment && !buffers.albedo.empty()) names.emplace_back("ambient");
+  return names;
 }
 
 struct Marcher::State {
@@ -110,7 +77,7 @@ struct Marcher::State {
         screen(s.camera, buffers.size),
         columns(make_columns(buffers)),
         view_from_world(mat3(scene::view_from_world(s.camera))),
-        film(make_film({"gi", "visibility", "bent"}, buffers.size, 1)) {}
+        film(make_film(march_layers(buffers, s), buffers.size, 1)) {}
 
   // Where the ray is in or behind a column's front, and how far behind, in metres of depth.
   double behind(const Column& c, dvec2 from_center, double w_ray) const {
@@ -157,6 +124,13 @@ struct Marcher::State {
     return {};
   }
 
+  // In metres of depth.
+  double depth_of_solid(const Column& c, dvec2 tangents) const {
+    if (settings.thickness_mode == ThicknessMode::Infinite) return endless;
+    const double scale = settings.thickness_mode == ThicknessMode::Linear ? 1 / c.w : 1;
+    return scale * double(settings.thickness) / std::sqrt(1 + glm::dot(tangents, tangents));
+  }
+
   // The q in [q0, q1], the ray's part over this texel, at which it is stopped, or -1.
   double enter(const Column& c, int x, int y, dvec2 start, dvec2 velocity, double z0, double k, double q0,
                double q1) const {
@@ -164,10 +138,7 @@ struct Marcher::State {
     const auto at = [&](double q) { return behind(c, start + q * velocity - center, (1 - k * q) / z0); };
     const double first = at(q0), then = at(q1);
     if (first < 0 && then < 0) return -1;
-    const dvec2 tangents = screen.tangents(center);
-    const double through = settings.infinite_thickness
-                               ? endless
-                               : double(settings.thickness) / std::sqrt(1 + glm::dot(tangents, tangents));
+    const double through = depth_of_solid(c, screen.tangents(center));
     if (first >= 0) {
       if (first <= through) return q0;
       return then <= through ? (then >= 0 ? q1 : crossing(c, center, start, velocity, z0, k)) : -1;
@@ -192,6 +163,7 @@ struct Marcher::State {
     const size_t pixel = size_t(y) * buffers.size.x + x;
     PixelSample sample;
     sample.hit = columns[pixel].w > 0;
+    const bool with_ambient = film.slots.size() > 3;
     const mat3 frame = frame_about(glm::normalize(buffers.normal[pixel] + (sample.hit ? vec3(0) : vec3(0, 1, 0))));
     for (int half = 0; half < 2; ++half) {
       const uint64_t key = mix(mix(uint64_t(settings.seed) << 1 | uint64_t(half)) ^ (uint64_t(y) << 32 | x));
@@ -207,6 +179,9 @@ struct Marcher::State {
           const float open = stop.any ? float(openness(stop.distance)) : 1.0f;
           sample.visibility = weight * open;
           sample.bent = direction * (weight * open);
+          if (with_ambient)
+            sample.ambient =
+                buffers.albedo[pixel] * scene::radiance(*settings.environment, direction) * (weight * open);
           sample.gi[0] = vec3(0);
           if (stop.any && (!settings.one_sided || glm::dot(buffers.normal[stop.texel], direction) < 0))
             sample.gi[0] = buffers.radiance[stop.texel] * (weight * (1 - open));

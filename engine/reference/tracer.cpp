@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/fingerprint.h"
 #include "core/parallel.h"
 #include "image/file.h"
 #include "reference/film.h"
@@ -11,34 +12,9 @@ namespace {
 
 constexpr char magic[] = "nearfield.checkpoint/1\n";
 
-// FNV-1a over whatever decides the result.
-class Fingerprint {
- public:
-  template <class T>
-  void add(const T& value) {
-    static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
-    add_bytes(&value, sizeof value);
-  }
-  template <class T>
-  void add(const std::vector<T>& rows) {
-    add(rows.size());
-    if (!rows.empty()) add_bytes(rows.data(), rows.size() * sizeof(T));
-  }
-  void add(const std::string& text) {
-    add(text.size());
-    add_bytes(text.data(), text.size());
-  }
-  uint64_t value() const { return hash_; }
+}  // namespace
 
- private:
-  void add_bytes(const void* data, size_t size) {
-    const auto* bytes = static_cast<const uint8_t*>(data);
-    for (size_t i = 0; i < size; ++i) hash_ = (hash_ ^ bytes[i]) * 0x100000001B3u;
-  }
-  uint64_t hash_ = 0xCBF29CE484222325u;
-};
-
-uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const Film& film) {
+uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const std::vector<std::string>& layers) {
   Fingerprint f;
   f.add(scene.geometry.position);
   f.add(scene.geometry.normal);
@@ -47,11 +23,18 @@ uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const Film& f
   f.add(scene.geometry.index);
   f.add(scene.nodes.world);
   f.add(scene.instances.primitive);
+  f.add(scene.joints.matrix);
+  f.add(scene.morph_weights.value);
   for (const scene::Material& m : scene.materials) {
     f.add(m.base_color), f.add(m.metallic), f.add(m.roughness), f.add(m.emissive), f.add(m.normal_scale);
     f.add(m.alpha_cutoff), f.add(m.alpha), f.add(m.double_sided), f.add(m.unlit);
     f.add(m.ior), f.add(m.specular), f.add(m.specular_color), f.add(m.mapping);
+    for (const uint32_t texture : {m.base_color_texture, m.metallic_roughness_texture, m.normal_texture,
+                                   m.emissive_texture, m.specular_texture, m.specular_color_texture})
+      f.add(texture);
   }
+  for (const scene::Texture& t : scene.textures)
+    f.add(t.picture), f.add(t.sampler.mag), f.add(t.sampler.u), f.add(t.sampler.v);
   for (const scene::Picture& p : scene.pictures) f.add(p.rgba);
   f.add(scene.directional);
   f.add(scene.punctual);
@@ -61,22 +44,22 @@ uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const Film& f
   f.add(s.camera.position), f.add(s.camera.forward), f.add(s.camera.up), f.add(s.camera.vfov), f.add(s.camera.near);
   f.add(s.size), f.add(s.bounces), f.add(s.radius), f.add(s.radius_mode), f.add(s.falloff), f.add(s.bound_gi),
       f.add(s.lambert), f.add(s.blending);
-  f.add(s.include_ambient), f.add(s.pixel_box), f.add(s.sampler), f.add(s.emitters), f.add(s.seed);
-  for (const Slot& slot : film.slots) f.add(slot.name);
+  f.add(s.include_ambient), f.add(s.pixel_box), f.add(s.sampler), f.add(s.emitters), f.add(s.sky), f.add(s.seed);
+  for (const std::string& layer : layers) f.add(layer);
   return f.value();
 }
 
-}  // namespace
-
 struct Tracer::State {
-  State(const scene::Scene& scene, const Settings& s, const std::vector<std::string>& layers)
+  State(const scene::Scene& scene, const Settings& s, const std::vector<std::string>& names)
       : settings(s),
+        layers(names),
         world(scene, s.lambert, s.blending),
         rays(world),
         lights(world),
-        film(make_film(layers, s.size, s.bounces)) {}
+        film(make_film(names, s.size, s.bounces)) {}
 
   Settings settings;
+  std::vector<std::string> layers;
   World world;
   Rays rays;
   Lights lights;
@@ -145,7 +128,7 @@ std::vector<Noise> Tracer::noise() const {
 
 void Tracer::save(const std::filesystem::path& path) const {
   const Film& film = state_->film;
-  const uint64_t print = fingerprint(state_->world.scene(), state_->settings, film);
+  const uint64_t print = fingerprint(state_->world.scene(), state_->settings, state_->layers);
   std::vector<uint8_t> bytes(magic, magic + sizeof magic - 1);
   const auto append = [&](const void* data, size_t size) {
     const auto* from = static_cast<const uint8_t*>(data);
@@ -167,7 +150,7 @@ void Tracer::load(const std::filesystem::path& path) {
          path.string());
   uint64_t print = 0;
   std::memcpy(&print, bytes.data() + head, sizeof print);
-  if (print != fingerprint(state_->world.scene(), state_->settings, film) ||
+  if (print != fingerprint(state_->world.scene(), state_->settings, state_->layers) ||
       bytes.size() != data + film.sums.size() * sizeof(double))
     fail(Exit::Input,
          "cannot resume from '{}': it was made with another scene, view, size, seed, layers or settings; use the same, "

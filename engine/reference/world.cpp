@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "image/image.h"
+#include "scene/deform.h"
 
 namespace nf::reference {
 namespace {
@@ -70,15 +71,22 @@ World::World(const scene::Scene& scene, bool lambert, Blending blending) : scene
     instance.material = &scene.materials[instance.primitive->material];
     instance.blended = instance.material->alpha == scene::AlphaMode::Blend && blending == Blending::Over;
     instance.masked = instance.material->alpha != scene::AlphaMode::Opaque && !instance.blended;
-    const scene::mat4& world = scene.nodes.world[scene.instances.node[i]];
-    instance.linear = mat3(world);
-    const vec3 x(world[0]), y(world[1]), z(world[2]);
-    instance.cofactor = mat3(glm::cross(y, z), glm::cross(z, x), glm::cross(x, y));
     instance.mirrored = scene.instances.mirrored[i] ? -1.0f : 1.0f;
-    const uint32_t first = instance.primitive->vertex_offset, count = instance.primitive->vertex_count;
-    instance.position.reserve(count + 1);
-    for (uint32_t v = first; v < first + count; ++v)
-      instance.position.push_back(vec3(world * vec4(scene.geometry.position[v], 1)));
+    if (scene.instances.skin[i] != scene::none || instance.primitive->target_count > 0) {
+      scene::Deformed deformed = scene::deform(scene, uint32_t(i), scene::Moment::Now);
+      instance.position = std::move(deformed.position);
+      instance.normal = std::move(deformed.normal);
+      instance.tangent = std::move(deformed.tangent);
+    } else {
+      const scene::mat4& world = scene.nodes.world[scene.instances.node[i]];
+      instance.linear = mat3(world);
+      const vec3 x(world[0]), y(world[1]), z(world[2]);
+      instance.cofactor = mat3(glm::cross(y, z), glm::cross(z, x), glm::cross(x, y)) * instance.mirrored;
+      const uint32_t first = instance.primitive->vertex_offset, count = instance.primitive->vertex_count;
+      instance.position.reserve(count + 1);
+      for (uint32_t v = first; v < first + count; ++v)
+        instance.position.push_back(vec3(world * vec4(scene.geometry.position[v], 1)));
+    }
     instance.position.emplace_back(0);
     instances_.push_back(std::move(instance));
   }
@@ -155,12 +163,18 @@ Surface World::surface(const Hit& hit, vec3 direction) const {
   const bool front = glm::dot(s.ng, direction) <= 0;
   if (!front) s.ng = -s.ng;
 
-  const vec3 interpolated = instance.cofactor * between(g.normal[i.a], g.normal[i.b], g.normal[i.c], hit.u, hit.v);
+  // A deformed instance has vertices of its own.
+  const bool own = !instance.normal.empty();
+  const uint32_t first = own ? instance.primitive->vertex_offset : 0;
+  const auto at_hit = [&](const auto& rows) {
+    return between(rows[i.a - first], rows[i.b - first], rows[i.c - first], hit.u, hit.v);
+  };
+  const vec3 interpolated = instance.cofactor * at_hit(own ? instance.normal : g.normal);
   const float length = glm::length(interpolated);
-  s.n = length > 0 ? interpolated * (instance.mirrored / length) : s.ng;
+  s.n = length > 0 ? interpolated / length : s.ng;
   if (length > 0 && !front) s.n = -s.n;
   const auto looked_up = [&](uint32_t row, scene::Slot slot) { return texture(row, uv(m, slot, i, hit.u, hit.v)); };
-  const vec4 tangent = between(g.tangent[i.a], g.tangent[i.b], g.tangent[i.c], hit.u, hit.v);
+  const vec4 tangent = at_hit(own ? instance.tangent : g.tangent);
   if (m.normal_texture != scene::none && !lambert_ && glm::dot(vec3(tangent), vec3(tangent)) > 0) {
     vec3 t = instance.linear * vec3(tangent);
     t = glm::normalize(t - s.n * glm::dot(s.n, t));

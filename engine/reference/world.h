@@ -24,8 +24,11 @@ struct Hit {
 
 struct WorldInstance {
   std::vector<vec3> position;  // world, one more than there are vertices: the ray structure reads past the end
-  mat3 cofactor, linear;       // of the world matrix, for normals and tangents
-  float mirrored = 1;          // -1 where the matrix mirrors
+  // Of skinned and morphed instances, world; of others empty, and the scene's own in object space count.
+  std::vector<vec3> normal;
+  std::vector<vec4> tangent;
+  mat3 cofactor{1}, linear{1};  // of the world matrix, for normals and tangents in object space
+  float mirrored = 1;           // -1 where the matrix mirrors
   const scene::Primitive* primitive = nullptr;
   const scene::Material* material = nullptr;
   bool masked = false, blended = false;

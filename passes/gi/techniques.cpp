@@ -43,7 +43,8 @@ const Technique table[] = {
      },
      [](GiSettings& s) {
        return ParamBlock{&HbaoParams::table(), &s.hbao};
-     }},
+     },
+     true},
     {"gtao", "Ground-truth ambient occlusion",
      "Jimenez, Wu, Pesce, Jarabo: Practical Realtime Strategies for Accurate Indirect Occlusion (2016)",
      "visibility, bent", gtao_paper,
@@ -52,7 +53,8 @@ const Technique table[] = {
      },
      [](GiSettings& s) {
        return ParamBlock{&GtaoParams::table(), &s.gtao};
-     }},
+     },
+     true},
     {"vbao", "Visibility bitmask AO",
      "Therrien, Levesque, Gilet: Screen Space Indirect Lighting with Visibility Bitmask (2023)",
      "visibility, bent, ambient", vbao_paper,
@@ -78,7 +80,8 @@ const Technique table[] = {
      },
      [](GiSettings& s) {
        return ParamBlock{&HbilParams::table(), &s.hbil};
-     }},
+     },
+     true},
     {"ssao", "SSAO with colour bleeding",
      "Colliander, Tornquist: Screen Space Ambient Occlusion & Colour Bleeding (2015), after Chapman (2011)",
      "visibility, gi", ssao_paper,
@@ -87,7 +90,8 @@ const Technique table[] = {
      },
      [](GiSettings& s) {
        return ParamBlock{&SsaoParams::table(), &s.ssao};
-     }},
+     },
+     true, true},
     {"ssdo", "Screen-space directional occlusion",
      "Ritschel, Grosch, Seidel: Approximating Dynamic Global Illumination in Image Space (2009)",
      "visibility, bent, gi, ambient", ssdo_paper,
@@ -96,7 +100,8 @@ const Technique table[] = {
      },
      [](GiSettings& s) {
        return ParamBlock{&SsdoParams::table(), &s.ssdo};
-     }},
+     },
+     true, true},
     {"raymarch",
      "Rays through the depth buffer",
      "The baseline of Therrien, Levesque, Gilet (2023), Figure 16",
@@ -107,7 +112,9 @@ const Technique table[] = {
      },
      [](GiSettings& s) {
        return ParamBlock{&RaymarchParams::table(), &s.raymarch};
-     }},
+     },
+     true,
+     true},
 };
 
 }  // namespace

@@ -34,6 +34,9 @@ struct Technique {
   std::span<const char* const> paper_mode;
   GiResult (*add)(graph::Graph&, GiPipelines&, const GiInputs&, const GiSettings&);
   ParamBlock (*params)(GiSettings&);  // private parameters; an empty block when there are none
+  // What it takes the screen for whatever gi.thickness_mode and gi.radius_mode say: solid without end behind what is
+  // seen, as a horizon hides all below it; within a ball of gi.radius.
+  bool infinitely_thick = false, in_ball = false;
 };
 
 std::span<const Technique> techniques();

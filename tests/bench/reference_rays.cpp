@@ -23,8 +23,16 @@ double cpu_seconds() {
   return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
-// Triangles and nothing else: no cut-outs, no culling.
-RTCScene plain_scene(RTCDevice device, const reference::World& world, bool robust) {
+void skip_holes(const RTCFilterFunctionNArguments* args) {
+  const auto* world = static_cast<const reference::World*>(args->geometryUserPtr);
+  for (unsigned int i = 0; i < args->N; ++i)
+    if (args->valid[i] != 0 && world->hole(RTCHitN_geomID(args->hit, args->N, i), RTCHitN_primID(args->hit, args->N, i),
+                                           RTCHitN_u(args->hit, args->N, i), RTCHitN_v(args->hit, args->N, i)))
+      args->valid[i] = 0;
+}
+
+// Triangles and nothing else: no culling, and no cut-outs unless asked for.
+RTCScene plain_scene(RTCDevice device, const reference::World& world, bool robust, bool holes = false) {
   RTCScene scene = rtcNewScene(device);
   if (robust) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   for (const reference::WorldInstance& instance : world.instances()) {
@@ -34,6 +42,10 @@ RTCScene plain_scene(RTCDevice device, const reference::World& world, bool robus
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                world.scene().geometry.index.data() + instance.primitive->first_index, 0, 12,
                                instance.primitive->index_count / 3);
+    if (holes && instance.masked) {
+      rtcSetGeometryUserData(geometry, const_cast<reference::World*>(&world));
+      rtcSetGeometryIntersectFilterFunction(geometry, skip_holes);
+    }
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
@@ -97,7 +109,8 @@ void run(int argc, char** argv) {
     for (uint32_t x = 0; x < settings.size.x; ++x)
       camera_rays.push_back(reference::camera_ray(settings, glm::vec2(x, y) + 0.5f));
   RTCDevice device = rtcNewDevice("threads=1");
-  const RTCScene plain = plain_scene(device, world, false), robust = plain_scene(device, world, true);
+  const RTCScene plain = plain_scene(device, world, false), robust = plain_scene(device, world, true),
+                 holes = plain_scene(device, world, true, true);
   const auto hits_of = [&](const auto& trace) {
     return [&camera_rays, trace] {
       size_t hits = 0;
@@ -109,6 +122,7 @@ void run(int argc, char** argv) {
   std::vector<Contender> contenders;
   contenders.push_back({"plain loop", [&] { return plain_loop(plain, camera_rays); }});
   contenders.push_back({"plain loop, robust", [&] { return plain_loop(robust, camera_rays); }});
+  contenders.push_back({"plain loop, robust, cut-outs", [&] { return plain_loop(holes, camera_rays); }});
   contenders.push_back({"Rays::closest (cut-outs)", hits_of([&](const auto& ray) { return rays.closest(ray).any(); })});
   contenders.push_back(
       {"Rays::closest_seen (cut-outs, backs)", hits_of([&](const auto& ray) { return rays.closest_seen(ray).any(); })});
@@ -117,6 +131,7 @@ void run(int argc, char** argv) {
   race(contenders, camera_rays.size());
   rtcReleaseScene(plain);
   rtcReleaseScene(robust);
+  rtcReleaseScene(holes);
   rtcReleaseDevice(device);
   for (const char* layer : {"visibility", "gi_1", "gi_4"}) {
     reference::Tracer tracer(scene, settings, reference::parse_layers(layer, 4));

@@ -1,5 +1,5 @@
 # The binary as a process: exit codes, streams, files.
-foreach(name cli_test cli_error_test)
+foreach(name cli_test cli_error_test cli_evaluate_test)
   nf_test(${name} nf_image LABELS gpu)
   add_dependencies(${name} nearfield nearfield_scenes)
 endforeach()

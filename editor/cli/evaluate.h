@@ -1,0 +1,113 @@
+// What `nearfield evaluate` measures: cells of a table, techniques x scenes with views, and what is in a cell. Its
+// parts: evaluate.cpp (the command), evaluate_plan.cpp (what is to be done), evaluate_truth.cpp (references, kept on
+// disk), evaluate_cell.cpp (one measurement), evaluate_report.cpp (JSON, Markdown, HTML).
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "cli/frames.h"
+#include "cli/options.h"
+#include "image/error_split.h"
+#include "reference/same_information.h"
+
+namespace nf::editor {
+
+struct EvaluateOptions : CommonOptions {
+  std::vector<std::string> scenes;
+  std::string techniques = "all", presets, folder = "evaluation", references, markdown;
+  uint32_t frames = 64, timed = 8, spp = 256, threads = 0;
+  bool resume = false, pictures = true;
+};
+
+// A scene with a view of it.
+struct Place {
+  std::string scene, view, label;
+};
+// A technique in one form with one set of parameters.
+struct Contender {
+  std::string label, technique, mode, preset;
+  passes::FrameSettings settings;
+};
+// Scenes may be FILE or FILE@VIEW. Throws nf::Error (Exit::Usage, Exit::Input).
+std::vector<Place> parse_places(const EvaluateOptions& options);
+std::vector<Contender> parse_contenders(EvaluateOptions& options);
+
+// One thing that is measured: a layer of the frame against layers of both references.
+struct Quantity {
+  const char *id, *title;
+  const char* layer;      // of the renderer
+  const char* truth;      // of the path tracer
+  const char* same;       // of the marcher
+  bool of_mean;           // its errors are shown as shares of the reference's mean
+  const char* not_there;  // why no technique has it in this version, or nullptr
+};
+std::span<const Quantity> quantities();
+
+// Says what is being done, for the progress line.
+using Notice = std::function<void(const std::string&)>;
+
+// --- references
+// Layers of a reference as two independent halves.
+using Truth = std::map<std::string, image::Halves>;
+
+class TruthStore {
+ public:
+  // The device marches where it is more than the CPU.
+  TruthStore(std::filesystem::path folder, const EvaluateOptions& options, gpu::Device& device, Notice notice);
+  // What `gi`, `visibility` and `ambient` are, with the radius of these settings. nullptr: interrupted.
+  const Truth* path_traced(const scene::Scene& scene, const scene::Camera& camera,
+                           const passes::FrameSettings& settings);
+  // What a perfect estimator would make of `buffers`.
+  const Truth* same_information(const reference::Buffers& buffers, const reference::MarchSettings& settings);
+  // Made by this run, taken from disk.
+  uint32_t made = 0, found = 0;
+
+ private:
+  template <class Make>
+  const Truth* get(const std::string& kind, uint64_t key, const Make& make);
+  const EvaluateOptions& options_;
+  std::filesystem::path folder_;
+  gpu::Device& device_;
+  Notice notice_;
+  std::map<std::filesystem::path, Truth> loaded_;
+};
+
+// --- one cell
+// A place made ready: the renderer, and what its screen shows.
+class Stage {
+ public:
+  Stage(gpu::Device& device, const EvaluateOptions& options, const Place& place);
+  const scene::Scene& scene() const { return scene_; }
+  const scene::Camera& camera() const { return view_.camera; }
+  // Everything that decides a cell's numbers.
+  uint64_t key(const Contender& contender) const;
+  // The row of the table; null when interrupted. Pictures go to `folder`.
+  nlohmann::json measure(const Contender& contender, TruthStore& store, const std::filesystem::path& folder);
+
+ private:
+  void look(const passes::FrameSettings& settings);
+  std::vector<image::Layer> mean(const passes::FrameSettings& settings, std::span<const passes::Aov* const> layers,
+                                 uint32_t seed, uint32_t frames);
+  PassTimes time(const passes::FrameSettings& settings);
+  gpu::Device& device_;
+  const EvaluateOptions& options_;
+  const Place& place_;
+  scene::Scene scene_;
+  passes::FrameView view_;
+  std::unique_ptr<passes::Renderer> renderer_;  // made when first needed
+  reference::Buffers buffers_;
+  std::string looked_with_;              // parameters, JSON
+  std::set<std::string> common_passes_;  // of a frame without a technique
+};
+
+// --- tables
+// `rows` in the order of the table.
+nlohmann::json evaluation_json(const EvaluateOptions& options, const std::vector<nlohmann::json>& rows,
+                               const gpu::DeviceInfo& device, bool complete);
+std::string evaluation_markdown(const nlohmann::json& document);
+std::string evaluation_html(const nlohmann::json& document);
+
+}  // namespace nf::editor

@@ -1,0 +1,93 @@
+// One frame, its times, and its read-backs as pictures.
+#include "cli/frames.h"
+
+#include <nlohmann/json.hpp>
+
+namespace nf::editor {
+
+graph::FrameResult run_frame(passes::Renderer& renderer, passes::FrameView& view, const passes::FrameSettings& settings,
+                             const FrameRequest& request) {
+  graph::Graph graph(renderer.executor().histories());
+  if (request.forget) graph.forget_histories();
+  const passes::FrameOutputs outputs = renderer.build(graph, view, settings);
+  for (const passes::Aov* aov : request.layers)
+    graph.readback("readback.layer", renderer.add_layer(graph, outputs, *aov, request.mean));
+  if (outputs.loop_energy) graph.readback("readback.loop_energy", outputs.loop_energy);
+  if (outputs.clamped_energy) graph.readback("readback.clamped_energy", outputs.clamped_energy);
+  if (request.picture || request.layers.empty())
+    graph.readback("readback.picture", renderer.add_picture(graph, outputs, settings, request.mean));
+  renderer.executor().run(graph, {.timing = request.timing});
+  view.previous_camera = view.camera;
+  return renderer.executor().finish();
+}
+
+std::vector<const passes::Aov*> layers_given(passes::Renderer& renderer, const passes::FrameView& view,
+                                             const passes::FrameSettings& settings,
+                                             std::span<const passes::Aov* const> layers) {
+  graph::Graph graph;
+  const passes::FrameOutputs outputs = renderer.build(graph, view, settings);
+  std::vector<const passes::Aov*> given;
+  for (const passes::Aov* aov : layers)
+    if (renderer.add_layer(graph, outputs, *aov)) given.push_back(aov);
+  return given;
+}
+
+void PassTimes::add(const graph::FrameResult& frame) {
+  std::map<std::string, double> merged;
+  std::vector<std::string> here;
+  for (const graph::PassTime& pass : frame.passes) {
+    const std::string name = std::string_view(pass.name).starts_with("readback.") ? "readback" : pass.name;
+    if (!merged.count(name)) here.push_back(name);
+    merged[name] += pass.ms;
+  }
+  for (const std::string& name : here) {
+    if (!ms.count(name)) order.push_back(name);
+    ms[name].push_back(merged[name]);
+  }
+  if (!frame.passes.empty()) frame_ms.push_back(frame.frame_ms);
+}
+
+std::vector<std::pair<std::string, capture::Statistics>> PassTimes::rows() const {
+  std::vector<std::pair<std::string, capture::Statistics>> rows;
+  for (const std::string& name : order) rows.emplace_back(name, capture::statistics(ms.at(name)));
+  return rows;
+}
+
+image::Layer to_layer(const passes::Aov& aov, const graph::Readback& readback) {
+  uint32_t have = 0;
+  const std::vector<float> floats = graph::to_floats(readback, have);
+  image::Layer layer{.name = aov.name, .channels = aov.channels, .image = {}};
+  const uint32_t wanted = uint32_t(layer.channels.size());
+  layer.image = {readback.desc.size.width, readback.desc.size.height, wanted,
+                 std::vector<float>(floats.size() / have * wanted)};
+  for (size_t texel = 0; texel < floats.size() / have; ++texel)
+    for (uint32_t c = 0; c < wanted; ++c) layer.image.pixels[texel * wanted + c] = floats[texel * have + c];
+  return layer;
+}
+
+image::Image8 to_image8(const graph::Readback& readback) {
+  image::Image8 out{readback.desc.size.width, readback.desc.size.height, 3, {}};
+  out.pixels.reserve(readback.texels.size() / 4 * 3);
+  for (size_t i = 0; i < readback.texels.size(); i += 4)
+    for (size_t c = 0; c < 3; ++c) out.pixels.push_back(uint8_t(readback.texels[i + c]));
+  return out;
+}
+
+nlohmann::json times_json(const std::vector<std::pair<std::string, capture::Statistics>>& rows) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const auto& [name, s] : rows)
+    out.push_back({{"path", name},
+                   {"gpu_ms",
+                    {{"count", s.count},
+                     {"min", s.min},
+                     {"median", s.median},
+                     {"p95", s.p95},
+                     {"p99", s.p99},
+                     {"max", s.max},
+                     {"mean", s.mean},
+                     {"stddev", s.stddev},
+                     {"mad", s.mad}}}});
+  return out;
+}
+
+}  // namespace nf::editor

@@ -1,0 +1,169 @@
+// `nearfield evaluate` as a process: a table, what is absent, and a run that is killed and resumed.
+#include "cli_process.h"
+#include "image/image.h"
+
+namespace nf {
+namespace {
+
+using nlohmann::json;
+
+class CliEvaluateTest : public CliTest {
+ protected:
+  // A box with few samples and frames: what is in the table is tested, not how good it is.
+  Words words(const std::string& name, const Words& more = {}) const {
+    Words all = {"evaluate", scene(),    "--size",  "64x36",        "--spp",
+                 "8",        "--frames", "4",       "--timed",      "1",
+                 "-o",       out(name),  "--quiet", "--references", out("references")};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  json table(const std::string& name) const {
+    return json::parse(bytes_of(folder / name / "evaluation.json"), nullptr, false);
+  }
+  // What does not depend on how busy the machine is.
+  static json numbers(json document) {
+    json out = json::array();
+    for (json& row : document["rows"]) {
+      row.erase("ms");
+      out.push_back(row);
+    }
+    return out;
+  }
+  std::string preset(const std::string& name, const std::string& params) const {
+    return input(name, R"({"schema": "nearfield.preset/1", "params": )" + params + "}");
+  }
+  size_t cells(const std::string& name) const {
+    const std::string text = bytes_of(folder / name / "cells.jsonl");
+    return size_t(std::count(text.begin(), text.end(), '\n'));
+  }
+};
+
+TEST_F(CliEvaluateTest, TableAndItsParts) {
+  const std::string sky = input("sky.json", R"({"environment": {"color": [0.5, 0.6, 0.8]}})");
+  const Outcome o = run({"evaluate", scene() + "@" + sky, "--size", "64x36", "--spp", "16", "--frames", "8", "--timed",
+                         "2", "-o", out("t"), "--techniques", "none,vbgi"});
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json document = table("t");
+  EXPECT_EQ(document["schema"], "nearfield.evaluation/1");
+  EXPECT_EQ(document["complete"], true);
+  ASSERT_EQ(document["rows"].size(), 2u);
+  const json &none = document["rows"][0], &vbgi = document["rows"][1];
+  EXPECT_EQ(none["contender"], "none");
+  EXPECT_EQ(none["place"], "cornell@sky");
+  // Absent is said, never made up.
+  for (const char* id : {"visibility", "gi_1", "gi_n"}) {
+    EXPECT_FALSE(none["quantities"].contains(id)) << id;
+    EXPECT_TRUE(none["absent"].contains(id)) << id;
+  }
+  EXPECT_TRUE(vbgi["absent"].contains("gi_n"));
+  EXPECT_EQ(none["ms"]["technique"], 0.0);
+  EXPECT_GT(vbgi["ms"]["technique"].get<double>(), 0);
+  EXPECT_LE(vbgi["ms"]["technique"].get<double>(), vbgi["ms"]["frame"].get<double>());
+  for (const char* id : {"visibility", "gi_1", "ambient"}) {
+    const json& q = vbgi["quantities"][id];
+    ASSERT_TRUE(q.is_object()) << id;
+    EXPECT_NEAR(q["total"]["bias"].get<double>(),
+                q["estimator"]["bias"].get<double>() + q["missing"]["bias"].get<double>(), 1e-6)
+        << id;
+    EXPECT_GT(q["total"]["rmse"].get<double>(), 0) << id;
+    EXPECT_GT(q["reference_mean"].get<double>(), 0) << id;
+    const image::Image8 picture = image::read_png(folder / "t/pictures" / q["picture"].get<std::string>());
+    EXPECT_EQ(picture.width, 3 * 64u + 8) << id;
+  }
+  // With occlusion the ambient light is nearer to the truth than without.
+  EXPECT_LT(vbgi["quantities"]["ambient"]["total"]["rmse"].get<double>(),
+            none["quantities"]["ambient"]["total"]["rmse"].get<double>());
+  const std::string markdown = bytes_of(folder / "t/evaluation.md"), html = bytes_of(folder / "t/evaluation.html");
+  EXPECT_NE(markdown.find("| vbgi |"), std::string::npos);
+  EXPECT_NE(html.find("<td>vbgi</td>"), std::string::npos);
+  EXPECT_EQ(o.out.substr(0, markdown.size()), markdown);
+  // The data in the page is the document.
+  const size_t begin = html.find("id=\"data\">") + 10, end = html.find("</script>", begin);
+  EXPECT_EQ(json::parse(html.substr(begin, end - begin), nullptr, false), document);
+}
+
+// A kill in the middle loses no finished cell, and the table is the same as without.
+TEST_F(CliEvaluateTest, KilledAndResumed) {
+  std::string presets = "default";
+  for (int i = 1; i <= 5; ++i)
+    presets += "," + preset(fmt::format("p{}.json", i), fmt::format(R"({{"gi.slices": {}}})", i));
+  const Words more = {"--techniques", "vbgi,none", "--presets", presets, "--no-pictures"};
+  ASSERT_EQ(run(words("whole", more)).code, 0);
+  const json whole = table("whole");
+  ASSERT_EQ(whole["rows"].size(), 12u);
+
+  const pid_t pid = start(words("cut", more));
+  for (int i = 0; i < 10000 && !(std::filesystem::exists(folder / "cut/cells.jsonl") && cells("cut") >= 2); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  kill(pid, SIGKILL);
+  EXPECT_EQ(finish(pid).code, -SIGKILL);
+  const size_t done = cells("cut");
+  ASSERT_GE(done, 2u);
+  ASSERT_LT(done, 12u);
+  // As if the kill had come in the middle of a line.
+  std::ofstream(folder / "cut/cells.jsonl", std::ios::app) << R"({"key":"0123)";
+  const std::string before = bytes_of(folder / "cut/cells.jsonl");
+
+  Words resume = words("cut", more);
+  resume.push_back("--resume");
+  resume.erase(std::find(resume.begin(), resume.end(), "--quiet"));
+  const Outcome o = run(resume);
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_NE(o.err.find(fmt::format("12 of 12 cells, {} of them from an earlier run", done)), std::string::npos)
+      << o.err;
+  EXPECT_NE(o.err.find("0 references made"), std::string::npos) << o.err;
+  EXPECT_EQ(numbers(table("cut")), numbers(whole));
+  EXPECT_EQ(cells("cut"), 12u);
+  // The cells taken over are those that were there, times included.
+  size_t kept = 0;
+  const json resumed = table("cut");
+  for (const json& row : resumed["rows"]) kept += before.find(row["ms"].dump()) != std::string::npos;
+  EXPECT_GE(kept, done);
+
+  // Other settings are other cells.
+  Words other = resume;
+  other.insert(other.end(), {"--set", "gi.radius=0.5"});
+  const Outcome changed = run(other);
+  EXPECT_EQ(changed.code, 0) << changed.err;
+  EXPECT_NE(changed.err.find(", 0 of them from an earlier run"), std::string::npos) << changed.err;
+  EXPECT_NE(numbers(table("cut")), numbers(whole));
+}
+
+// `reference --same-information` on the device: the CPU's answer to the noise of both.
+TEST_F(CliEvaluateTest, MarchesOnTheDevice) {
+  const auto march = [&](const std::string& name, const Words& more) {
+    Words all = {"reference", scene(), "--size", "48x27", "--spp", "64", "--same-information", "-o", out(name)};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome o = run(all);
+    EXPECT_EQ(o.code, 0) << o.err;
+    return image::read_exr(out(name));
+  };
+  const image::ExrFile cpu = march("cpu.exr", {}), gpu = march("gpu.exr", {"--gpu"});
+  EXPECT_NE(cpu.header.at("nearfield.device"), gpu.header.at("nearfield.device"));
+  const json rmse =
+      run({"compare", out("gpu.exr"), out("cpu.exr"), "--layer", "visibility", "--metric", "rmse", "--json", "-"})
+          .json();
+  EXPECT_LT(rmse["metrics"]["rmse"]["value"].get<double>(), 0.06);
+  EXPECT_GT(rmse["metrics"]["rmse"]["value"].get<double>(), 0);
+  EXPECT_LT(std::abs(rmse["bias"].get<double>()), 0.004);
+}
+
+TEST_F(CliEvaluateTest, Failures) {
+  const auto fails = [&](int code, const Words& more, const std::string& mention) {
+    const Outcome o = run(words("f", more));
+    EXPECT_EQ(o.code, code) << o.err;
+    EXPECT_NE(o.err.find(mention), std::string::npos) << o.err;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  };
+  fails(3, {"--techniques", "nosuch"}, "nosuch");
+  fails(2, {"--techniques", "none:paper"}, "no form 'paper'");
+  fails(3, {"--presets", "/no/such.json"}, "/no/such.json");
+  fails(2, {"--technique", "vbgi"}, "--techniques");
+  fails(2, {"--frames", "0"}, "--frames");
+  fails(2, {scene()}, "twice");
+  fails(3, {"/no/such.glb"}, "/no/such.glb");
+  EXPECT_EQ(run({"evaluate", scene(), "-o", "/proc/no"}).code, 7);
+}
+
+}  // namespace
+}  // namespace nf
