@@ -12,8 +12,8 @@ Usage: ./test.sh [--all]
 Installs missing Debian packages (as root or with sudo), builds preset `release` and runs all tests with ctest.
 
   --all    also checks the format of the sources, that Clang compiles everything without a warning, and that the tests
-           without a GPU run clean under AddressSanitizer and UndefinedBehaviorSanitizer. Needs clang and clang-format,
-           and takes several times as long.
+           without a GPU run clean under AddressSanitizer and UndefinedBehaviorSanitizer. Opens reports in headless
+           Chromium and runs a sweep through a Slurm of one node; without these two tests skip. Takes several times as long.
 
 Without a GPU the tests run on Mesa's software device. The exit code is 0 when everything passed.
 HELP
@@ -71,8 +71,18 @@ check_sanitizers() {
   UBSAN_OPTIONS=print_stacktrace=1 ctest --test-dir build/asan --output-on-failure -L '^cpu$'
 }
 
+# A browser for the reports: Chromium, and npm's playwright-core to drive it. npm comes with some packages of nodejs.
+prepare_browser() {
+  if ! command -v npm >/dev/null; then install_packages nodejs npm || return; fi
+  mkdir -p build/release/browser
+  cp tests/browser/package.json build/release/browser/
+  quietly npm install --prefix build/release/browser --no-audit --no-fund
+}
+
+# Tests labelled `all` start a browser and a cluster.
 run_tests() {
-  ctest --test-dir build/release --output-on-failure
+  if [ "$all" -eq 1 ]; then set --; else set -- -LE '^all$'; fi
+  ctest --test-dir build/release --output-on-failure "$@"
 }
 
 if [ "$all" -eq 1 ]; then
@@ -90,6 +100,7 @@ fi
 
 if [ "$all" -eq 1 ]; then
   part "format" check_format
+  part "browser" prepare_browser
 fi
 configure release
 say "Building. The first time takes some minutes."

@@ -10,6 +10,7 @@ namespace {
 constexpr const char* footer = R"(Examples:
   nearfield render scene.glb -o picture.png --size 1280x720 --set gi.radius=3
   nearfield render scene.glb -o layers.exr --aov all --frames 64 --accumulate
+  nearfield bench scene.glb --technique none --technique vbgi --json times.json
   nearfield graph scene.glb --format text
   nearfield reference scene.glb -o reference.exr --size 640x360 --spp 256
   nearfield compare picture.exr reference.exr --layer gi --block 8
@@ -21,7 +22,8 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", version_line());
   app.footer(footer);
   app.require_subcommand(0, 1);
-  const Command commands[] = {add_render(app), add_info(app), add_graph(app), add_compare(app), add_reference(app), add_evaluate(app)};
+  const Command commands[] = {add_render(app), add_bench(app), add_info(app), add_graph(app), add_compare(app),
+                              add_reference(app), add_evaluate(app), add_sweep(app), add_report(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -154,6 +154,31 @@ TEST_F(CliTest, PatternWritesEveryFrame) {
   EXPECT_EQ(bytes_of(out("f_02.png")), bytes_of(out("last.png")));
 }
 
+// A capture, or one line that says why there is none: RenderDoc 1.24 takes Vulkan 1.3 away from Mesa's software device.
+TEST_F(CliTest, RenderDocCapturesAFrame) {
+  const Outcome outcome =
+      run({"render", scene(), "--size", "64x36", "-o", out("a.png"), "--frames", "3", "--renderdoc", "1"});
+  if (outcome.code == 4) {
+    EXPECT_NE(outcome.err.find("RenderDoc's layer lets through 1."), std::string::npos) << outcome.err;
+  } else {
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    std::vector<std::string> captures;
+    for (const std::string& name : written())
+      if (name.ends_with(".rdc")) captures.push_back(out(name));
+    ASSERT_EQ(captures.size(), 1u);
+    EXPECT_NE(outcome.out.find(captures[0]), std::string::npos) << outcome.out;
+    EXPECT_EQ(bytes_of(captures[0]).substr(0, 4), "RDOC");
+  }
+  // The loader finds no library of this name here.
+  std::filesystem::create_directories(base_ / "empty");
+  std::ofstream(base_ / "empty" / "librenderdoc.so") << "none";
+  const Outcome missing = run({"render", scene(), "-o", out("b.png"), "--size", "64x36", "--renderdoc", "0"},
+                              {"LD_LIBRARY_PATH=" + (base_ / "empty").string()});
+  EXPECT_EQ(missing.code, 4);
+  EXPECT_NE(missing.err.find("librenderdoc.so is not there"), std::string::npos) << missing.err;
+  EXPECT_EQ(run({"render", scene(), "-o", out("b.png"), "--frames", "2", "--renderdoc", "2"}).code, 2);
+}
+
 TEST_F(CliTest, SameCommandSameBytes) {
   for (const char* name : {"a", "b"})
     render({"-o", out(name + std::string(".exr")), "-o", out(name + std::string(".png")), "--aov", "all", "--frames",

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "scene/camera.h"
 #include "scene/culling.h"
+#include "scene/path.h"
 #include "scene_files.h"
 
 namespace {
@@ -48,6 +49,46 @@ TEST(Camera, JitterShiftsThePictureByPixels) {
     return (vec2(clip) / clip.w * 0.5f + 0.5f) * vec2(size);
   };
   EXPECT_LT(glm::distance(pixel({0.25f, -0.5f}) - pixel({0, 0}), vec2(0.25f, -0.5f)), 1e-3f);
+}
+
+// Through every key, at rest outside, even in between: keys on a line at a steady pace stay on it at that pace.
+TEST(CameraPath, GoesThroughItsKeys) {
+  CameraPath path;
+  for (const int i : {0, 1, 3, 4}) {
+    Camera camera;
+    camera.position = vec3(float(i) * 2, 1, 0);
+    camera.forward = vec3(std::sin(float(i)), 0, -std::cos(float(i)));
+    path.push_back({i * 10.0, camera});
+  }
+  for (const double frame : {-5.0, 0.0, 4.0, 10.0, 17.5, 30.0, 40.0, 90.0})
+    EXPECT_NEAR_VEC(camera_at(path, frame).position, vec3(std::clamp(frame, 0.0, 40.0) / 5, 1, 0));
+  for (const PathKey& key : path) EXPECT_NEAR_VEC(camera_at(path, key.frame).forward, key.camera.forward);
+  const Camera before = camera_at(path, 9.99), after = camera_at(path, 10.01);  // no corner at a key
+  EXPECT_NEAR_VEC(after.forward - path[1].camera.forward, path[1].camera.forward - before.forward);
+  EXPECT_NEAR(glm::length(camera_at(path, 20).forward), 1, 1e-6);
+}
+
+TEST(CameraPath, FilesAreReadStrictly) {
+  const Folder folder;
+  const auto read = [&](const std::string& text) {
+    try {
+      return fmt::format("{} keys", load_path(folder.write("path.json", text)).size());
+    } catch (const Error& e) {
+      EXPECT_EQ(e.exit(), Exit::Input);
+      return std::string(e.what());
+    }
+  };
+  const std::string a = R"({"frame": 0, "camera": {"position": [0,0,0], "target": [0,0,-1]}})",
+                    b = R"({"frame": 8, "camera": {"position": [1,0,0], "target": [0,0,-1]}})",
+                    head = R"({"schema": "nearfield.path/1", "keys": [)";
+  EXPECT_EQ(read(head + a + "," + b + "]}"), "2 keys");
+  const auto has = [&](const std::string& text, const char* part) {
+    return read(text).find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(has(head + b + "," + a + "]}", "'keys[1].frame' must be above"));
+  EXPECT_TRUE(has(head + a + "]}", "two keys"));
+  EXPECT_TRUE(has(head + R"({"frame": 1}, )" + b + "]}", "'keys[0]' needs"));
+  EXPECT_TRUE(has("{\"keys\": []}", "'schema' must be"));
 }
 
 TEST(Culling, AgreesWithACornerTest) {

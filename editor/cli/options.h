@@ -54,11 +54,14 @@ graph::ExecutorOptions executor_options(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);
 
 Command add_render(CLI::App& app);
+Command add_bench(CLI::App& app);
 Command add_info(CLI::App& app);
 Command add_graph(CLI::App& app);
 Command add_compare(CLI::App& app);
 Command add_reference(CLI::App& app);
 Command add_evaluate(CLI::App& app);
+Command add_report(CLI::App& app);
+Command add_sweep(CLI::App& app);
 
 // The command line without its output files: the same for runs that must give the same bytes.
 void keep_command_line(int argc, char** argv);
@@ -67,6 +70,11 @@ const std::string& command_line();
 // version.cpp
 std::string version_line();
 std::string version_short();
+struct BuildInfo {
+  std::string version, git, type, compiler;
+  bool debug = false;  // without optimisation, or with sanitizers: its times mean little
+};
+BuildInfo build_info();
 
 // Set by Ctrl-C: a command finishes its frame, writes what it has and exits with 130.
 bool interrupted();

@@ -6,12 +6,14 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/frames.h"
 #include "cli/options.h"
 #include "cli/progress.h"
 #include "cli/scene_input.h"
 #include "core/log.h"
+#include "gpu/renderdoc.h"
 #include "image/file.h"
 #include "image/image.h"
 #include "scene/animation.h"
@@ -29,6 +31,7 @@ struct RenderOptions : CommonOptions {
   uint32_t frames = 1, warmup = 0;
   double fps = 60, time = 0;
   bool accumulate = false, fps_given = false;
+  std::optional<uint32_t> renderdoc;
 };
 
 struct Output {
@@ -108,6 +111,11 @@ class RenderJob {
     scene::Scene scene = open_scene(o_.scene, o_);
     scene::animate(scene, o_.time);
     view_.camera = view_.previous_camera = scene::select_view(o_.view, scene);
+    if (o_.renderdoc) {
+      if (*o_.renderdoc >= o_.frames)
+        fail(Exit::Usage, "--renderdoc {}: frames are numbered from 0, and there are {}", *o_.renderdoc, o_.frames);
+      gpu::load_renderdoc(fs::path(outputs[0].pattern).replace_extension().string());
+    }
     gpu::Device device(device_options(o_));
     if (device.facts.software) log::warn("{} is a software device: pass times are CPU times", device.info.name);
     passes::Renderer renderer(device, scene, executor_options(o_));
@@ -120,7 +128,10 @@ class RenderJob {
       for (uint32_t n = 0; n < total; ++n) {
         const bool last = n + 1 == total || interrupted();
         move(scene, renderer, n);
+        const bool captured = o_.renderdoc && n == o_.warmup + *o_.renderdoc;
+        if (captured) gpu::begin_capture(device);
         run_frame(renderer, settings, layers, pictures, n, last || (each && n >= o_.warmup));
+        if (captured) written_.push_back(gpu::end_capture(device));
         if (n >= o_.warmup && each) write(outputs, layers, device, n - o_.warmup, true, true);
         progress.update(n + 1, fmt::format("{:.1f} ms", times_.frame_ms.empty() ? 0.0 : times_.frame_ms.back()));
         if (last) {
@@ -320,6 +331,10 @@ Command add_render(CLI::App& parent) {
                   "it does so unless this is given")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  app->add_option(
+         "--renderdoc", state->renderdoc,
+         "Capture this frame (the first is 0) for RenderDoc, beside the picture, where its library is installed")
+      ->type_name("FRAME");
   app->add_option("--precision", state->precision, "EXR channels")
       ->check(CLI::IsMember({"half", "float"}))
       ->capture_default_str();

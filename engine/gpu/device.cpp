@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/log.h"
+#include "gpu/renderdoc.h"
 
 namespace nf::gpu {
 namespace {
@@ -103,20 +104,37 @@ uint32_t find_queue_family(VkPhysicalDevice physical) {
   return ~0u;
 }
 
-std::string find_missing(VkPhysicalDevice physical) {
-  VkPhysicalDeviceProperties properties;
-  vkGetPhysicalDeviceProperties(physical, &properties);
-  if (properties.apiVersion < VK_API_VERSION_1_3)
-    return fmt::format("Vulkan 1.3 (it has {}.{})", VK_API_VERSION_MAJOR(properties.apiVersion),
-                       VK_API_VERSION_MINOR(properties.apiVersion));
-  std::vector<std::string> missing;
-  if (find_queue_family(physical) == ~0u) missing.emplace_back("a queue with graphics and compute");
+bool has_extension(VkPhysicalDevice physical, const char* name) {
   uint32_t count = 0;
   vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
   std::vector<VkExtensionProperties> extensions(count);
   vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
-  if (std::none_of(extensions.begin(), extensions.end(),
-                   [](const auto& e) { return !std::strcmp(e.extensionName, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME); }))
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& e) { return !std::strcmp(e.extensionName, name); });
+}
+
+// Whether timestamps and CLOCK_MONOTONIC can be read at one moment.
+bool has_calibrated_clock(VkInstance instance, VkPhysicalDevice physical) {
+  if (!has_extension(physical, VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME)) return false;
+  const auto list = reinterpret_cast<PFN_vkGetPhysicalDeviceCalibrateableTimeDomainsEXT>(
+      vkGetInstanceProcAddr(instance, "vkGetPhysicalDeviceCalibrateableTimeDomainsEXT"));
+  uint32_t count = 0;
+  if (!list || list(physical, &count, nullptr) != VK_SUCCESS) return false;
+  std::vector<VkTimeDomainEXT> domains(count);
+  list(physical, &count, domains.data());
+  const auto has = [&](VkTimeDomainEXT domain) { return std::count(domains.begin(), domains.end(), domain) > 0; };
+  return has(VK_TIME_DOMAIN_DEVICE_EXT) && has(VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT);
+}
+
+std::string find_missing(VkPhysicalDevice physical) {
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(physical, &properties);
+  if (properties.apiVersion < VK_API_VERSION_1_3)
+    return fmt::format("Vulkan 1.3 ({} {}.{})", renderdoc_loaded() ? "RenderDoc's layer lets through" : "it has",
+                       VK_API_VERSION_MAJOR(properties.apiVersion), VK_API_VERSION_MINOR(properties.apiVersion));
+  std::vector<std::string> missing;
+  if (find_queue_family(physical) == ~0u) missing.emplace_back("a queue with graphics and compute");
+  if (!has_extension(physical, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME))
     missing.emplace_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
   Features features;
   features.chain();
@@ -286,19 +304,22 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
   VkPhysicalDeviceFeatures available;
   vkGetPhysicalDeviceFeatures(physical, &available);
   features.base.features.samplerAnisotropy = available.samplerAnisotropy;
+  features.base.features.pipelineStatisticsQuery = available.pipelineStatisticsQuery;
 
   const float priority = 1;
   VkDeviceQueueCreateInfo queue_create{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                        .queueFamilyIndex = queue_family,
                                        .queueCount = 1,
                                        .pQueuePriorities = &priority};
-  const char* extensions[] = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+  std::vector<const char*> extensions = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+  const bool calibrated = has_calibrated_clock(instance, physical);
+  if (calibrated) extensions.push_back(VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME);
   VkDeviceCreateInfo create{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                             .pNext = &features.base,
                             .queueCreateInfoCount = 1,
                             .pQueueCreateInfos = &queue_create,
-                            .enabledExtensionCount = 1,
-                            .ppEnabledExtensionNames = extensions};
+                            .enabledExtensionCount = uint32_t(extensions.size()),
+                            .ppEnabledExtensionNames = extensions.data()};
   NF_VK(vkCreateDevice(physical, &create, nullptr, &handle));
   vkGetDeviceQueue(handle, queue_family, 0, &queue);
 
@@ -310,6 +331,10 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
       reinterpret_cast<PFN_vkCmdEndDebugUtilsLabelEXT>(vkGetInstanceProcAddr(instance, "vkCmdEndDebugUtilsLabelEXT"));
   set_name = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(
       vkGetInstanceProcAddr(instance, "vkSetDebugUtilsObjectNameEXT"));
+
+  if (calibrated)
+    get_clocks_ =
+        reinterpret_cast<PFN_vkGetCalibratedTimestampsEXT>(vkGetDeviceProcAddr(handle, "vkGetCalibratedTimestampsEXT"));
 
   VkPhysicalDevicePushDescriptorPropertiesKHR push{
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PUSH_DESCRIPTOR_PROPERTIES_KHR};
@@ -324,6 +349,8 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
            .fetch_storage = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU,
            .timestamp_period = properties.limits.timestampPeriod,
            .timestamp_mask = bits == 64 ? ~uint64_t{0} : (uint64_t{1} << bits) - 1,
+           .pipeline_statistics = available.pipelineStatisticsQuery == VK_TRUE,
+           .calibrated_clock = get_clocks_ != nullptr,
            .max_push_descriptors = push.maxPushDescriptors,
            .max_image_layers = properties.limits.maxImageArrayLayers,
            .max_image_size = properties.limits.maxImageDimension2D};
@@ -354,8 +381,18 @@ void Device::wait_idle() const {
   NF_VK(vkDeviceWaitIdle(handle));
 }
 
+std::optional<ClockPair> Device::clocks() const {
+  if (!get_clocks_) return std::nullopt;
+  const VkCalibratedTimestampInfoEXT infos[2] = {
+      {.sType = VK_STRUCTURE_TYPE_CALIBRATED_TIMESTAMP_INFO_EXT, .timeDomain = VK_TIME_DOMAIN_DEVICE_EXT},
+      {.sType = VK_STRUCTURE_TYPE_CALIBRATED_TIMESTAMP_INFO_EXT, .timeDomain = VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT}};
+  uint64_t times[2] = {}, deviation = 0;
+  NF_VK(get_clocks_(handle, 2, infos, times, &deviation));
+  return ClockPair{double(times[0]) * double(facts.timestamp_period), double(times[1])};
+}
+
 void Device::name_object(VkObjectType type, uint64_t object, const std::string& name) const {
-  if (!validation) return;  // names only serve messages and captures
+  if (!validation && !renderdoc_loaded()) return;  // names only serve messages and captures
   VkDebugUtilsObjectNameInfoEXT info_ext{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
                                          .objectType = type,
                                          .objectHandle = object,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,14 @@ struct DeviceFacts {
   bool fetch_storage = false;   // read neighbours with imageLoad rather than texelFetch (measured: software devices)
   float timestamp_period = 1;   // nanoseconds a tick
   uint64_t timestamp_mask = 0;  // 0 = no timestamps
+  bool pipeline_statistics = false, calibrated_clock = false;
   uint32_t max_push_descriptors = 0;
   uint32_t max_image_layers = 0, max_image_size = 0;
+};
+
+// One moment on the clock of the timestamps and on CLOCK_MONOTONIC, in nanoseconds.
+struct ClockPair {
+  double device_ns = 0, host_ns = 0;
 };
 
 // Objects alive, for tests and the editor's memory view.
@@ -64,9 +71,12 @@ struct Device {
   std::vector<std::string> take_messages();
   void add_message(std::string message);
   void wait_idle() const;
+  // Nothing where the device cannot tell.
+  std::optional<ClockPair> clocks() const;
   void name_object(VkObjectType type, uint64_t object, const std::string& name) const;
 
  private:
+  PFN_vkGetCalibratedTimestampsEXT get_clocks_ = nullptr;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   std::mutex mutex_;
   std::vector<std::string> messages_;

@@ -4,6 +4,16 @@
 #include <cstring>
 
 namespace nf::gpu {
+namespace {
+
+// In the order of PassCounts' members: that of the bits.
+constexpr VkQueryPipelineStatisticFlags graphics_counts =
+    VK_QUERY_PIPELINE_STATISTIC_INPUT_ASSEMBLY_VERTICES_BIT |
+    VK_QUERY_PIPELINE_STATISTIC_INPUT_ASSEMBLY_PRIMITIVES_BIT |
+    VK_QUERY_PIPELINE_STATISTIC_VERTEX_SHADER_INVOCATIONS_BIT | VK_QUERY_PIPELINE_STATISTIC_CLIPPING_INVOCATIONS_BIT |
+    VK_QUERY_PIPELINE_STATISTIC_CLIPPING_PRIMITIVES_BIT | VK_QUERY_PIPELINE_STATISTIC_FRAGMENT_SHADER_INVOCATIONS_BIT;
+
+}  // namespace
 
 FrameRing::FrameRing(Device& device) : device_(device) {
   VkSemaphoreTypeCreateInfo type{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
@@ -26,13 +36,32 @@ FrameRing::~FrameRing() {
   vkDeviceWaitIdle(device_.handle);
   for (Frame& frame : frames_) {
     vkDestroyCommandPool(device_.handle, frame.pool, nullptr);
-    vkDestroyQueryPool(device_.handle, frame.timestamps.pool, nullptr);
+    for (const VkQueryPool pool : {frame.timestamps.pool, frame.statistics.graphics, frame.statistics.compute})
+      vkDestroyQueryPool(device_.handle, pool, nullptr);
     destroy(device_, frame.uniforms);
   }
   vkDestroySemaphore(device_.handle, timeline_, nullptr);
 }
 
-Frame& FrameRing::begin(VkDeviceSize uniform_bytes, uint32_t timestamps) {
+// Makes room for `count` passes, and forgets what was counted.
+void FrameRing::prepare(StatisticsPools& pools, uint32_t count) {
+  if (!count || !device_.facts.pipeline_statistics) return;
+  if (pools.capacity < count) {
+    for (const VkQueryPool pool : {pools.graphics, pools.compute}) vkDestroyQueryPool(device_.handle, pool, nullptr);
+    pools.capacity = count * 2;
+    VkQueryPoolCreateInfo create{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                 .queryType = VK_QUERY_TYPE_PIPELINE_STATISTICS,
+                                 .queryCount = pools.capacity,
+                                 .pipelineStatistics = graphics_counts};
+    NF_VK(vkCreateQueryPool(device_.handle, &create, nullptr, &pools.graphics));
+    create.pipelineStatistics = VK_QUERY_PIPELINE_STATISTIC_COMPUTE_SHADER_INVOCATIONS_BIT;
+    NF_VK(vkCreateQueryPool(device_.handle, &create, nullptr, &pools.compute));
+  }
+  for (const VkQueryPool pool : {pools.graphics, pools.compute})
+    vkResetQueryPool(device_.handle, pool, 0, pools.capacity);
+}
+
+Frame& FrameRing::begin(VkDeviceSize uniform_bytes, uint32_t timestamps, uint32_t statistics) {
   Frame& frame = frames_[next_];
   next_ = (next_ + 1) % size;
   wait(frame);
@@ -49,6 +78,7 @@ Frame& FrameRing::begin(VkDeviceSize uniform_bytes, uint32_t timestamps) {
     NF_VK(vkCreateQueryPool(device_.handle, &create, nullptr, &frame.timestamps.pool));
     frame.timestamps.capacity = timestamps * 2;
   }
+  prepare(frame.statistics, statistics);
   frame.uniforms_used = 0;
   frame.timestamps.used = 0;
   if (frame.timestamps.pool) vkResetQueryPool(device_.handle, frame.timestamps.pool, 0, frame.timestamps.capacity);
@@ -114,15 +144,39 @@ void write_timestamp(Device& device, Frame& frame, Timing timing) {
   }
 }
 
-std::vector<double> read_timestamps(Device& device, Frame& frame) {
+std::vector<double> read_timestamps(Device& device, Frame& frame, double* first) {
   std::vector<uint64_t> ticks(frame.timestamps.used);
   if (ticks.empty()) return {};
   NF_VK(vkGetQueryPoolResults(device.handle, frame.timestamps.pool, 0, frame.timestamps.used, ticks.size() * 8,
                               ticks.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
+  const uint64_t mask = device.facts.timestamp_mask;
   std::vector<double> result;
-  for (const uint64_t tick : ticks)
-    result.push_back(double((tick - ticks[0]) & device.facts.timestamp_mask) * double(device.facts.timestamp_period));
+  for (const uint64_t tick : ticks) {
+    const uint64_t after = (tick - ticks[0]) & mask, before = (ticks[0] - tick) & mask;
+    result.push_back((after <= before ? double(after) : -double(before)) * double(device.facts.timestamp_period));
+  }
+  if (first) *first = double(ticks[0] & mask) * double(device.facts.timestamp_period);
   return result;
+}
+
+void begin_counts(Frame& frame, CountedWork work, uint32_t pass) {
+  const VkQueryPool pool = work == CountedWork::Compute ? frame.statistics.compute : frame.statistics.graphics;
+  vkCmdBeginQuery(frame.commands, pool, pass, 0);
+}
+
+void end_counts(Frame& frame, CountedWork work, uint32_t pass) {
+  const VkQueryPool pool = work == CountedWork::Compute ? frame.statistics.compute : frame.statistics.graphics;
+  vkCmdEndQuery(frame.commands, pool, pass);
+}
+
+PassCounts read_counts(Device& device, const Frame& frame, CountedWork work, uint32_t pass) {
+  const bool compute = work == CountedWork::Compute;
+  uint64_t values[6] = {};
+  NF_VK(vkGetQueryPoolResults(device.handle, compute ? frame.statistics.compute : frame.statistics.graphics, pass, 1,
+                              sizeof(values), values, sizeof(values),
+                              VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
+  if (compute) return {.compute_invocations = values[0]};
+  return {values[0], values[1], values[2], values[3], values[4], values[5], 0};
 }
 
 }  // namespace nf::gpu

@@ -15,6 +15,13 @@ struct TimestampPool {
   uint32_t capacity = 0, used = 0;
 };
 
+// Pipeline statistics of one frame's passes: of graphics and of compute in pools of their own, because lavapipe crashes
+// when the compute bit is counted inside a rendering scope.
+struct StatisticsPools {
+  VkQueryPool graphics = VK_NULL_HANDLE, compute = VK_NULL_HANDLE;
+  uint32_t capacity = 0;  // of each
+};
+
 struct Frame {
   VkCommandPool pool = VK_NULL_HANDLE;
   VkCommandBuffer commands = VK_NULL_HANDLE;
@@ -22,6 +29,7 @@ struct Frame {
   Buffer uniforms;     // host-visible, a bump allocator
   VkDeviceSize uniforms_used = 0;
   TimestampPool timestamps;
+  StatisticsPools statistics;
 };
 
 struct UniformRange {
@@ -41,9 +49,9 @@ class FrameRing {
   FrameRing(const FrameRing&) = delete;
   FrameRing& operator=(const FrameRing&) = delete;
 
-  // Waits until the slot's last submission is done, then starts recording. `uniform_bytes` and `timestamps` are upper
-  // bounds.
-  Frame& begin(VkDeviceSize uniform_bytes, uint32_t timestamps);
+  // Waits until the slot's last submission is done, then starts recording. `uniform_bytes`, `timestamps` and the number
+  // of passes to count `statistics` of are upper bounds.
+  Frame& begin(VkDeviceSize uniform_bytes, uint32_t timestamps, uint32_t statistics = 0);
   void submit(Frame& frame);
   void wait(const Frame& frame);
   // How many frames were submitted, and how many of them are done.
@@ -53,6 +61,7 @@ class FrameRing {
   VkDeviceSize uniform_stride(VkDeviceSize bytes) const;
 
  private:
+  void prepare(StatisticsPools& pools, uint32_t count);
   Device& device_;
   VkSemaphore timeline_ = VK_NULL_HANDLE;
   uint64_t submitted_ = 0;
@@ -66,7 +75,20 @@ enum class Timing : uint8_t { Serialize, Overlap };
 
 // Writes the next timestamp of the frame, at the end of all earlier work.
 void write_timestamp(Device& device, Frame& frame, Timing timing);
-// The frame's timestamps in nanoseconds, after wait(). Empty on a device without timestamps.
-std::vector<double> read_timestamps(Device& device, Frame& frame);
+// The frame's timestamps after wait(), in nanoseconds from the first one; that one, on the device's clock, in `first`.
+// Where passes overlap a later one can be earlier. Empty on a device without timestamps.
+std::vector<double> read_timestamps(Device& device, Frame& frame, double* first = nullptr);
+
+// What a pass made the device do. Of a compute pass only the last.
+struct PassCounts {
+  uint64_t vertices = 0, primitives = 0, vertex_invocations = 0, clipped_in = 0, clipped_out = 0,
+           fragment_invocations = 0, compute_invocations = 0;
+};
+enum class CountedWork : uint8_t { Graphics, Compute };
+// Around a pass, outside of its rendering scope; `pass` is a number below what begin() was told.
+void begin_counts(Frame& frame, CountedWork work, uint32_t pass);
+void end_counts(Frame& frame, CountedWork work, uint32_t pass);
+// After wait().
+PassCounts read_counts(Device& device, const Frame& frame, CountedWork work, uint32_t pass);
 
 }  // namespace nf::gpu

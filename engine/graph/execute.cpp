@@ -1,5 +1,6 @@
 // Recording of a plan. The only file that emits barriers in a frame.
 #include <algorithm>
+#include <cstring>
 
 #include "graph/executor.h"
 
@@ -330,12 +331,14 @@ void Executor::record_pass(const Graph& graph, uint32_t position, gpu::Frame& fr
     record_copy(graph, pass, commands);
   } else {
     const gpu::Pipelines::Bound bound = bind_pipeline(graph, pass);
+    const bool counted = execute.counts && device_.facts.pipeline_statistics;
+    if (counted) gpu::begin_counts(frame, counted_work(pass.kind), position);
     if (pass.kind != PassKind::Compute) begin_rendering(graph, pass, commands);
     vkCmdBindPipeline(commands, bound.point, bound.pipeline);
     push_descriptors(graph, pass, bound, commands, uniforms);
     const Recorder recorder{commands, bound.layout, this};
     if (pass.kind == PassKind::Compute) {
-      dispatch(graph, pass, commands);
+      dispatch(graph, pass, commands, execute);
     } else {
       if (pass.kind == PassKind::Fullscreen) {
         recorder.set_cull(VK_CULL_MODE_NONE, VK_FRONT_FACE_COUNTER_CLOCKWISE);
@@ -345,12 +348,14 @@ void Executor::record_pass(const Graph& graph, uint32_t position, gpu::Frame& fr
       }
       vkCmdEndRendering(commands);
     }
+    if (counted) gpu::end_counts(frame, counted_work(pass.kind), position);
   }
   gpu::write_timestamp(device_, frame, execute.timing);
   device_.end_label(commands);
 }
 
-void Executor::dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer commands) {
+void Executor::dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer commands,
+                        const ExecuteOptions& execute) {
   const uint32_t* local = pass.pipeline.interface->local_size;
   if (pass.threads) return vkCmdDispatch(commands, (pass.threads + local[0] - 1) / local[0], 1, 1);
   if (!pass.has_over) {
@@ -360,8 +365,11 @@ void Executor::dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer
     return;
   }
   const Size size = size_of(graph.resources[pass.over].desc, pass.over_part.mip);
-  vkCmdDispatch(commands, (size.width + local[0] - 1) / local[0], (size.height + local[1] - 1) / local[1],
-                (pass.over_part.layers + local[2] - 1) / local[2]);
+  const uint32_t groups[3] = {(size.width + local[0] - 1) / local[0], (size.height + local[1] - 1) / local[1],
+                              (pass.over_part.layers + local[2] - 1) / local[2]};
+  vkCmdDispatch(commands, groups[0], groups[1], groups[2]);
+  if (execute.slow_pass && !std::strcmp(execute.slow_pass, pass.name))
+    vkCmdDispatch(commands, groups[0], uint32_t(float(groups[1]) * execute.slow_share), groups[2]);
 }
 
 VkBuffer Recorder::buffer(Buf of) const {

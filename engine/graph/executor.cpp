@@ -1,12 +1,25 @@
 // One run of a graph, and what a frame leaves behind.
 #include "graph/executor.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
 
 namespace nf::graph {
+namespace {
+
+// steady_clock is CLOCK_MONOTONIC.
+double now_ns() {
+  return double(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+          .count());
+}
+
+}  // namespace
 
 void Executor::run(const Graph& graph, const ExecuteOptions& execute) {
+  const double start_ns = now_ns();
   collect(ring_.finished());
   switched_ = false;
   select_plan(graph);
@@ -19,7 +32,8 @@ void Executor::run(const Graph& graph, const ExecuteOptions& execute) {
   VkDeviceSize uniform_bytes = 256;
   for (const ParamRow& row : graph.params) uniform_bytes += ring_.uniform_stride(row.table->size);
   for (const ParamRow& row : graph.shared) uniform_bytes += ring_.uniform_stride(row.table->size);
-  gpu::Frame& frame = ring_.begin(uniform_bytes, uint32_t(plan.passes.size() + 1) * 2);
+  gpu::Frame& frame = ring_.begin(uniform_bytes, uint32_t(plan.passes.size() + 1) * 2,
+                                  execute.counts ? uint32_t(plan.passes.size()) : 0);
   std::vector<gpu::UniformRange> uniforms;  // the graph's params, then its shared blocks
   for (const auto* rows : {&graph.params, &graph.shared})
     for (const ParamRow& row : *rows)
@@ -30,9 +44,13 @@ void Executor::run(const Graph& graph, const ExecuteOptions& execute) {
   for (uint32_t position = 0; position < plan.passes.size(); ++position) {
     const PassRow& pass = graph.passes[plan.passes[position].pass];
     const Doing doing(fmt::format("recording the pass {}", pass.name));
+    const double pass_ns = now_ns();
     record_pass(graph, position, frame, execute, uniforms);
-    last_passes_.emplace_back(pass.name, pass.description);
+    last_passes_.push_back({pass.name, pass.description, pass.kind, 0, 0, (now_ns() - pass_ns) * 1e-6, {}});
   }
+  last_counted_ = execute.counts && device_.facts.pipeline_statistics;
+  last_submit_ns_ = now_ns();
+  last_record_ms_ = (last_submit_ns_ - start_ns) * 1e-6;
   ring_.submit(frame);
   last_ = &frame;
   graph_ = nullptr;
@@ -60,12 +78,20 @@ FrameResult Executor::finish() {
   FrameResult result;
   if (!last_) return result;
   ring_.wait(*last_);
-  const std::vector<double> ns = read_timestamps(device_, *last_);
-  if (ns.size() == last_passes_.size() * 2 && !ns.empty()) {
-    for (size_t i = 0; i < last_passes_.size(); ++i)
-      result.passes.push_back({last_passes_[i].first, last_passes_[i].second, (ns[2 * i + 1] - ns[2 * i]) * 1e-6});
-    result.frame_ms = (ns.back() - ns.front()) * 1e-6;
+  result.record_ms = last_record_ms_;
+  result.submit_ns = last_submit_ns_;
+  result.wall_ms = (now_ns() - last_submit_ns_) * 1e-6;
+  const std::vector<double> ns = read_timestamps(device_, *last_, &result.gpu_begin_ns);
+  if (ns.size() != last_passes_.size() * 2 || ns.empty()) return result;
+  result.passes = last_passes_;
+  for (uint32_t i = 0; i < result.passes.size(); ++i) {
+    PassTime& pass = result.passes[i];
+    pass.begin_ms = ns[2 * i] * 1e-6;
+    pass.ms = std::max(ns[2 * i + 1] - ns[2 * i], 0.0) * 1e-6;
+    if (last_counted_ && pass.kind != PassKind::Copy && pass.kind != PassKind::Readback)
+      pass.counts = read_counts(device_, *last_, counted_work(pass.kind), i);
   }
+  result.frame_ms = (*std::max_element(ns.begin(), ns.end()) - *std::min_element(ns.begin(), ns.end())) * 1e-6;
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "gpu/frame_ring.h"
 #include "graph/plan.h"
@@ -27,21 +28,36 @@ struct ExecutorOptions {
 
 struct ExecuteOptions {
   gpu::Timing timing = gpu::Timing::Serialize;
+  bool counts = false;  // pipeline statistics of every pass, where the device has them
   // Test hooks, so that a test can see that validation notices: this barrier of the plan (by row) is left out; this one
   // changes the layout and waits for nothing.
   int drop_barrier = -1, loosen_barrier = -1;
+  // Test hook: this compute pass runs this share of its workgroups a second time, and so takes longer by that.
+  const char* slow_pass = nullptr;
+  float slow_share = 0;
 };
 
+inline gpu::CountedWork counted_work(PassKind kind) {
+  return kind == PassKind::Compute ? gpu::CountedWork::Compute : gpu::CountedWork::Graphics;
+}
+
+// Times in milliseconds; `begin_ms` from the frame's first timestamp, `record_ms` what recording the pass took.
 struct PassTime {
   const char* name;
   const char* description;
-  double ms;
+  PassKind kind;
+  double ms = 0, begin_ms = 0, record_ms = 0;
+  std::optional<gpu::PassCounts> counts;
 };
 
 // What a finished frame leaves behind.
 struct FrameResult {
   std::vector<PassTime> passes;
-  double frame_ms = 0;  // from the first pass's begin to the last one's end; 0 without timestamps
+  double frame_ms = 0;      // from the first pass's begin to the last one's end; 0 without timestamps
+  double record_ms = 0;     // planning and recording, on the CPU
+  double wall_ms = 0;       // from submission to the moment the host knew that the frame was done
+  double submit_ns = 0;     // when it was submitted, on CLOCK_MONOTONIC
+  double gpu_begin_ns = 0;  // the first timestamp, on the device's clock
 };
 
 // Texels of one mip of one layer as they are in the image, rows tightly packed; or a buffer's bytes.
@@ -152,7 +168,7 @@ class Executor {
                    std::span<const gpu::UniformRange> uniforms);
   void record_barriers(const Graph& graph, const PlannedPass& planned, VkCommandBuffer commands,
                        const ExecuteOptions& execute);
-  void dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
+  void dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer commands, const ExecuteOptions& options);
   void record_copy(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
   void record_readback(const Graph& graph, uint32_t pass, VkCommandBuffer commands);
   void push_descriptors(const Graph& graph, const PassRow& pass, const gpu::Pipelines::Bound& bound,
@@ -174,7 +190,9 @@ class Executor {
   std::vector<Retired> retired_;
   const Graph* graph_ = nullptr;  // during run(), for Recorder
   gpu::Frame* last_ = nullptr;
-  std::vector<std::pair<const char*, const char*>> last_passes_;
+  std::vector<PassTime> last_passes_;
+  bool last_counted_ = false;
+  double last_record_ms_ = 0, last_submit_ns_ = 0;
   std::vector<const char*> last_readbacks_;
 };
 

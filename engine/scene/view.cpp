@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "scene/path.h"
 #include "scene/text.h"
 
 namespace nf::scene {
@@ -251,6 +252,27 @@ View load_view(const std::filesystem::path& path) {
   }
   if (reader.has("environment")) view.environment = read_environment(reader.child("environment"), path.parent_path());
   return view;
+}
+
+CameraPath load_path(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  const json document = read_json(file);
+  const Reader reader(file, document, "");
+  reader.expect_object({"schema", "keys"});
+  if (!reader.has("schema") || reader.text("schema") != "nearfield.path/1")
+    reader.bad("'schema' must be \"nearfield.path/1\"");
+  if (!reader.has("keys")) reader.bad("'keys' is missing");
+  CameraPath keys;
+  for (const Reader& row : reader.list("keys")) {
+    row.expect_object({"frame", "camera"});
+    if (!row.has("frame") || !row.has("camera")) row.bad("'{}' needs frame and camera", row.path());
+    const double frame = row.number("frame", 0);
+    if (!keys.empty() && frame <= keys.back().frame)
+      row.bad("'{}.frame' must be above that of the key before", row.path());
+    keys.push_back({frame, read_camera(row.child("camera"))});
+  }
+  if (keys.size() < 2) reader.bad("'keys' needs two keys at least");
+  return keys;
 }
 
 void apply_view(const View& view, Scene& scene) {

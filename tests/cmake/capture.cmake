@@ -1,1 +1,3 @@
-nf_test(capture_test nf_capture LABELS cpu)
+foreach(name capture_test capture_run_test)
+  nf_test(${name} nf_capture LABELS cpu)
+endforeach()

@@ -1,8 +1,9 @@
 # The binary as a process: exit codes, streams, files.
-foreach(name cli_test cli_error_test cli_evaluate_test)
+foreach(name cli_test cli_error_test cli_evaluate_test cli_bench_test cli_sweep_test)
   nf_test(${name} nf_image LABELS gpu)
   add_dependencies(${name} nearfield nearfield_scenes)
 endforeach()
+target_link_libraries(cli_bench_test PRIVATE nf_capture)
 # Commands that need no device.
 foreach(name cli_compare_test cli_reference_test)
   nf_test(${name} nf_image LABELS cpu)
