@@ -22,7 +22,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", version_line());
   app.footer(footer);
   app.require_subcommand(0, 1);
-  const Command commands[] = {add_render(app), add_bench(app), add_info(app), add_graph(app), add_compare(app),
+  const Command commands[] = {add_render(app),    add_bench(app),    add_info(app),  add_graph(app), add_compare(app),
                               add_reference(app), add_evaluate(app), add_sweep(app), add_report(app)};
   try {
     app.parse(argc, argv);
