@@ -11,7 +11,7 @@ for argument in "$@"; do
 Usage: ./test.sh [--all]
 Installs missing Debian packages (as root or with sudo), builds preset `release` and runs all tests with ctest.
 
-  --all    also checks the format of the sources, that Clang compiles everything without a warning, and that the tests
+  --all    also checks the format of the sources, that Clang compiles the program without a warning, and that the tests
            without a GPU run clean under AddressSanitizer and UndefinedBehaviorSanitizer. Opens reports in headless
            Chromium and runs a sweep through a Slurm of one node; without these two tests skip. Takes several times as long.
 
@@ -53,7 +53,7 @@ check_format() {
 check_clang() {
   configure clang || return
   say "Building with Clang."
-  cmake --build build/clang
+  cmake --build build/clang --target nearfield
 }
 
 # Only the executables whose tests are labelled `cpu`: what a driver allocates is not ours to check.
@@ -68,7 +68,7 @@ check_sanitizers() {
   say "Building the tests that need no GPU with sanitizers."
   cmake --build build/asan --target "${targets[@]}" || return
   say "Running them."
-  UBSAN_OPTIONS=print_stacktrace=1 ctest --test-dir build/asan --output-on-failure -L '^cpu$'
+  UBSAN_OPTIONS=print_stacktrace=1 ctest --test-dir build/asan --output-on-failure -j "$(nproc)" -L '^cpu$'
 }
 
 # A browser for the reports: Chromium, and npm's playwright-core to drive it. npm comes with some packages of nodejs.
@@ -82,7 +82,7 @@ prepare_browser() {
 # Tests labelled `all` start a browser and a cluster.
 run_tests() {
   if [ "$all" -eq 1 ]; then set --; else set -- -LE '^all$'; fi
-  ctest --test-dir build/release --output-on-failure "$@"
+  ctest --test-dir build/release --output-on-failure -j "$(nproc)" "$@"
 }
 
 if [ "$all" -eq 1 ]; then
