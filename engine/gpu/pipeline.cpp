@@ -97,11 +97,7 @@ Pipelines::~Pipelines() {
         std::filesystem::remove(temporary, error);
     }
   }
-  for (Row& row : rows_) {
-    for (const Variant& variant : row.variants) vkDestroyPipeline(device_.handle, variant.pipeline, nullptr);
-    vkDestroyPipelineLayout(device_.handle, row.layout, nullptr);
-    vkDestroyDescriptorSetLayout(device_.handle, row.set0, nullptr);
-  }
+  for (Row& row : rows_) destroy(row);
   for (const auto& [name, sampler] : samplers_) vkDestroySampler(device_.handle, sampler, nullptr);
   vkDestroyPipelineCache(device_.handle, cache_, nullptr);
 }
@@ -123,20 +119,67 @@ Pipeline Pipelines::add(std::vector<std::string> files, const Defines& defines, 
   for (size_t i = 0; i < rows_.size(); ++i)
     if (rows_[i].files == files && rows_[i].defines == defines && same(rows_[i].state, state))
       return {PipelineId{uint16_t(i)}, &rows_[i].program.interface};
+  rows_.push_back(build(std::move(files), defines, state, nullptr));
+  return {PipelineId{uint16_t(rows_.size() - 1)}, &rows_.back().program.interface};
+}
+
+void Pipelines::destroy(Row& row) {
+  for (const Variant& variant : row.variants) vkDestroyPipeline(device_.handle, variant.pipeline, nullptr);
+  vkDestroyPipelineLayout(device_.handle, row.layout, nullptr);
+  vkDestroyDescriptorSetLayout(device_.handle, row.set0, nullptr);
+}
+
+// What compiles and still cannot run here: said before the driver sees it.
+void Pipelines::check_limits(const Row& row) const {
+  const ShaderInterface& interface = row.program.interface;
+  const std::string& file = row.files.back();
+  if (interface.slots.size() > device_.facts.max_push_descriptors)
+    fail(Exit::Shader, "{}: {} slots, but {} takes {} push descriptors", file, interface.slots.size(),
+         device_.info.name, device_.facts.max_push_descriptors);
+  for (const Slot& slot : interface.slots)
+    if (slot.kind == SlotKind::Sampler && !sampler(slot.name))
+      fail(Exit::Shader,
+           "{}: no sampler is named '{}'; there are linear_clamp, linear_repeat, nearest_clamp, "
+           "shadow_compare",
+           file, slot.name);
+  if (interface.vertex_inputs > row.state.streams.size())
+    fail(Exit::Shader, "{}: reads the vertex input of location {}, but its pass feeds {} streams", row.files.front(),
+         interface.vertex_inputs - 1, row.state.streams.size());
+  const VkPhysicalDeviceLimits& limits = device_.properties.limits;
+  const uint32_t* local = interface.local_size;
+  if (local[0] > limits.maxComputeWorkGroupSize[0] || local[1] > limits.maxComputeWorkGroupSize[1] ||
+      local[2] > limits.maxComputeWorkGroupSize[2] ||
+      uint64_t(local[0]) * local[1] * local[2] > limits.maxComputeWorkGroupInvocations)
+    fail(Exit::Shader, "{}: a workgroup of {}x{}x{}, but {} takes {} invocations and {}x{}x{}", file, local[0],
+         local[1], local[2], device_.info.name, limits.maxComputeWorkGroupInvocations,
+         limits.maxComputeWorkGroupSize[0], limits.maxComputeWorkGroupSize[1], limits.maxComputeWorkGroupSize[2]);
+}
+
+// Slots of `before` that the program no longer has are kept as unused ones, behind its own.
+Pipelines::Row Pipelines::build(std::vector<std::string> files, const Defines& defines, const RasterState& state,
+                                const ShaderInterface* before) const {
   Row row{.files = std::move(files), .defines = defines, .state = state};
   row.program = compiler_.compile(row.files, defines);
+  ShaderInterface& interface = row.program.interface;
+  if (before)
+    for (const Slot& slot : before->slots)
+      if (!interface.find(slot.name) && interface.slots.size() < device_.facts.max_push_descriptors) {
+        uint32_t binding = 0;
+        for (const Slot& other : interface.slots) binding = std::max(binding, other.binding + 1);
+        interface.slots.push_back(slot);
+        interface.slots.back().binding = binding;
+        interface.slots.back().unused = true;
+      }
+  check_limits(row);
 
   VkShaderStageFlags stages = 0;
   for (const CompiledStage& stage : row.program.stages) stages |= stage.stage;
   std::vector<VkDescriptorSetLayoutBinding> bindings;
-  for (const Slot& slot : row.program.interface.slots)
+  for (const Slot& slot : interface.slots)
     bindings.push_back({.binding = slot.binding,
                         .descriptorType = descriptor_type(slot.kind),
                         .descriptorCount = 1,
                         .stageFlags = stages});
-  if (bindings.size() > device_.facts.max_push_descriptors)
-    fail(Exit::Shader, "{}: {} slots, but {} takes {} push descriptors", row.files.back(), bindings.size(),
-         device_.info.name, device_.facts.max_push_descriptors);
   VkDescriptorSetLayoutCreateInfo set_create{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                              .flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR,
                                              .bindingCount = uint32_t(bindings.size()),
@@ -147,8 +190,7 @@ Pipeline Pipelines::add(std::vector<std::string> files, const Defines& defines, 
                                            .setLayoutCount = state.set1 ? 2u : 1u,
                                            .pSetLayouts = sets};
   NF_VK(vkCreatePipelineLayout(device_.handle, &layout_create, nullptr, &row.layout));
-  rows_.push_back(std::move(row));
-  return {PipelineId{uint16_t(rows_.size() - 1)}, &rows_.back().program.interface};
+  return row;
 }
 
 Pipelines::Bound Pipelines::get(PipelineId id, std::span<const VkFormat> colors, VkFormat depth) {
@@ -179,10 +221,11 @@ VkPipeline Pipelines::create(Row& row, std::span<const VkFormat> colors, VkForma
                       .pName = "main"});
   }
   VkPipeline pipeline = VK_NULL_HANDLE;
+  VkResult result = VK_SUCCESS;
   if (stages[0].stage == VK_SHADER_STAGE_COMPUTE_BIT) {
     VkComputePipelineCreateInfo create{
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .stage = stages[0], .layout = row.layout};
-    NF_VK(vkCreateComputePipelines(device_.handle, cache_, 1, &create, nullptr, &pipeline));
+    result = vkCreateComputePipelines(device_.handle, cache_, 1, &create, nullptr, &pipeline);
   } else {
     std::vector<VkVertexInputBindingDescription> bindings;
     std::vector<VkVertexInputAttributeDescription> attributes;
@@ -249,9 +292,13 @@ VkPipeline Pipelines::create(Row& row, std::span<const VkFormat> colors, VkForma
                                         .pColorBlendState = &blend,
                                         .pDynamicState = &dynamics,
                                         .layout = row.layout};
-    NF_VK(vkCreateGraphicsPipelines(device_.handle, cache_, 1, &create, nullptr, &pipeline));
+    result = vkCreateGraphicsPipelines(device_.handle, cache_, 1, &create, nullptr, &pipeline);
   }
   for (const auto& stage : stages) vkDestroyShaderModule(device_.handle, stage.module, nullptr);
+  if (result == VK_ERROR_INVALID_SHADER_NV || result == VK_ERROR_UNKNOWN)
+    fail(Exit::Shader, "{}: {} does not take the shader ({})", row.files.back(), device_.info.name,
+         result_name(result));
+  check(result, "vkCreatePipelines", __FILE__, __LINE__);
   return pipeline;
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/handle.h"
 #include "gpu/device.h"
+#include "gpu/reload.h"
 #include "gpu/shader.h"
 
 namespace nf::gpu {
@@ -56,6 +57,12 @@ class Pipelines {
   // To add tables to before their shaders are compiled.
   ShaderCompiler& compiler() { return compiler_; }
 
+  // Compiles anew every program that reads one of these files (relative to the shader folder; none: every program), and
+  // those that failed last time. Handles and the addresses of interfaces stay good; a program that fails goes on as it
+  // was. Waits for the device. Graphs built before must not run after: their uses follow the old interfaces. A slot
+  // that a program no longer has stays in its interface, as `unused`: so that a line can be commented out.
+  Reload reload(std::span<const std::string> changed = {});
+
   struct Bound {
     VkPipeline pipeline = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
@@ -81,7 +88,13 @@ class Pipelines {
     VkDescriptorSetLayout set0 = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     std::vector<Variant> variants;
+    bool broken = false;  // its last reload failed
   };
+  Row build(std::vector<std::string> files, const Defines& defines, const RasterState& state,
+            const ShaderInterface* before) const;
+  void check_limits(const Row& row) const;
+  void replace(Row& row);
+  void destroy(Row& row);
   Pipeline add(std::vector<std::string> files, const Defines& defines, const RasterState& state);
   VkPipeline create(Row& row, std::span<const VkFormat> colors, VkFormat depth);
 

@@ -62,6 +62,10 @@ class Reflector {
         if (out_.color_outputs.size() <= location) out_.color_outputs.resize(location + 1);
         out_.color_outputs[location] = output.name;
       }
+    if (stage.stage == VK_SHADER_STAGE_VERTEX_BIT)
+      for (const auto& input : resources.stage_inputs)
+        out_.vertex_inputs =
+            std::max(out_.vertex_inputs, compiler.get_decoration(input.id, spv::DecorationLocation) + 1);
     if (stage.stage == VK_SHADER_STAGE_COMPUTE_BIT)
       for (uint32_t i = 0; i < 3; ++i)
         out_.local_size[i] = compiler.get_execution_mode_argument(spv::ExecutionModeLocalSize, i);
@@ -99,8 +103,8 @@ class Reflector {
           std::find_if(out_.slots.begin(), out_.slots.end(), [&](const Slot& s) { return s.name == slot.name; });
       if (same == out_.slots.end())
         out_.slots.push_back(std::move(slot));
-      else
-        NF_CHECK(same->binding == slot.binding && same->kind == slot.kind, "slot {} differs between stages", slot.name);
+      else if (same->binding != slot.binding || same->kind != slot.kind)
+        fail(Exit::Shader, "the slot '{}' is of one kind in one stage and of another in the next", slot.name);
     }
   }
   ShaderInterface& out_;

@@ -234,6 +234,12 @@ CompiledProgram ShaderCompiler::compile(const std::vector<std::string>& files, c
   return program;
 }
 
+std::string ShaderCompiler::text_of(const std::string& file) const {
+  if (const auto it = generated_.find(file); it != generated_.end()) return it->second;
+  std::error_code error;
+  return fs::is_regular_file(folder_ / file, error) ? read_file(folder_ / file, file) : std::string();
+}
+
 fs::path find_shader_folder() {
   std::vector<fs::path> candidates;
   if (const char* data = std::getenv("NEARFIELD_DATA_DIR")) candidates.push_back(fs::path(data) / "shaders");

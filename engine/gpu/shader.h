@@ -29,6 +29,8 @@ struct Slot {
   VkFormat format = VK_FORMAT_UNDEFINED;                  // storage images that name one
   uint32_t block_size = 0;                                // uniform blocks: bytes
   std::vector<std::pair<std::string, uint32_t>> members;  // uniform blocks: name, byte offset
+  bool unused = false;                                    // a reload took it away: it may be fed, and need not be
+  bool operator==(const Slot&) const = default;
 };
 
 // What a pipeline's shaders expect: the graph matches it with a pass's uses by name.
@@ -36,6 +38,9 @@ struct ShaderInterface {
   std::vector<Slot> slots;                 // set 0, all stages
   std::vector<std::string> color_outputs;  // fragment outputs by location
   uint32_t local_size[3] = {1, 1, 1};
+  uint32_t vertex_inputs = 0;  // locations 0 to this - 1
+  uint32_t generation = 0;     // another one after a reload that changed the interface in place
+  bool operator==(const ShaderInterface&) const = default;
   const Slot* find(std::string_view name) const;
 };
 
@@ -63,6 +68,8 @@ class ShaderCompiler {
   // "file:line: message" lines.
   CompiledProgram compile(const std::vector<std::string>& files, const Defines& defines) const;
   const std::filesystem::path& folder() const { return folder_; }
+  // Of a file of the folder or a generated block; empty when there is none.
+  std::string text_of(const std::string& file) const;
 
  private:
   std::filesystem::path folder_, cache_;

@@ -129,7 +129,7 @@ class Validator {
       check_block(interface, graph_.params[pass_->first_param + i], fed, true);
     for (const ParamRow& row : graph_.shared) check_block(interface, row, fed, false);
     for (const gpu::Slot& slot : interface.slots)
-      if (!fed.count(slot.name) && slot.kind != gpu::SlotKind::Sampler)
+      if (!fed.count(slot.name) && slot.kind != gpu::SlotKind::Sampler && !slot.unused)
         report(Diagnostic::Kind::SlotNotFed, pass_->at, fmt::format("the shader's slot '{}' is not fed", slot.name));
     for (const std::string& output : interface.color_outputs)
       if (!fed.count(output))
