@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <glm/gtc/color_space.hpp>
 #include <glm/gtc/packing.hpp>
 
 namespace nf::graph {
@@ -107,40 +108,76 @@ std::vector<Readback> Executor::take_readbacks() {
 
 std::vector<float> to_floats(const Readback& readback, uint32_t& channels) {
   const size_t texels = size_t(readback.desc.size.width) * readback.desc.size.height;
-  const auto floats = [&](uint32_t count) {
+  const VkFormat format = readback.desc.format;
+  // Texels of `count` channels out of texels of one T.
+  const auto convert = [&]<class T>(uint32_t count, T, const auto& texel) {
     channels = count;
     std::vector<float> out(texels * count);
-    std::memcpy(out.data(), readback.texels.data(), out.size() * sizeof(float));
-    return out;
-  };
-  const auto halves = [&](uint32_t count) {
-    channels = count;
-    std::vector<float> out(texels * count);
-    for (size_t i = 0; i < out.size(); ++i) {
-      uint16_t bits;
-      std::memcpy(&bits, readback.texels.data() + i * 2, 2);
-      out[i] = glm::unpackHalf1x16(bits);
+    for (size_t i = 0; i < texels; ++i) {
+      T bits;
+      std::memcpy(&bits, readback.texels.data() + i * sizeof bits, sizeof bits);
+      const auto value = texel(bits);
+      std::memcpy(out.data() + i * count, &value, count * sizeof(float));
     }
     return out;
   };
-  switch (readback.desc.format) {
+  // Channels one by one.
+  const auto each = [&]<class T>(uint32_t count, T, const auto& channel) {
+    channels = count;
+    std::vector<float> out(texels * count);
+    for (size_t i = 0; i < out.size(); ++i) {
+      T bits;
+      std::memcpy(&bits, readback.texels.data() + i * sizeof bits, sizeof bits);
+      out[i] = channel(bits);
+    }
+    return out;
+  };
+  const auto same = [](float value) { return value; };
+  const auto half = [](uint16_t bits) { return glm::unpackHalf1x16(bits); };
+  const auto unorm8 = [](uint8_t bits) { return float(bits) / 255; };
+  const auto unorm16 = [](uint16_t bits) { return float(bits) / 65535; };
+  switch (format) {
     case VK_FORMAT_R32_SFLOAT:
-      return floats(1);
-    case VK_FORMAT_R32G32_SFLOAT:
-      return floats(2);
-    case VK_FORMAT_R32G32B32A32_SFLOAT:
-      return floats(4);
     case VK_FORMAT_D32_SFLOAT:
-      return floats(1);
+      return each(1, 0.0f, same);
+    case VK_FORMAT_R32G32_SFLOAT:
+      return each(2, 0.0f, same);
+    case VK_FORMAT_R32G32B32A32_SFLOAT:
+      return each(4, 0.0f, same);
     case VK_FORMAT_R16_SFLOAT:
-      return halves(1);
+      return each(1, uint16_t(), half);
     case VK_FORMAT_R16G16_SFLOAT:
-      return halves(2);
+      return each(2, uint16_t(), half);
     case VK_FORMAT_R16G16B16A16_SFLOAT:
-      return halves(4);
+      return each(4, uint16_t(), half);
+    case VK_FORMAT_R8_UNORM:
+      return each(1, uint8_t(), unorm8);
+    case VK_FORMAT_R8G8_UNORM:
+      return each(2, uint8_t(), unorm8);
+    case VK_FORMAT_R8G8B8A8_UNORM:
+      return each(4, uint8_t(), unorm8);
+    case VK_FORMAT_D16_UNORM:
+      return each(1, uint16_t(), unorm16);
+    case VK_FORMAT_R16G16B16A16_UNORM:
+      return each(4, uint16_t(), unorm16);
+    case VK_FORMAT_R32_UINT:
+      return each(1, uint32_t(), [](uint32_t bits) { return float(bits); });
+    case VK_FORMAT_R8G8B8A8_SRGB:
+      return convert(4, uint32_t(), [](uint32_t bits) {
+        const glm::vec4 encoded = glm::unpackUnorm4x8(bits);
+        return glm::vec4(glm::convertSRGBToLinear(glm::vec3(encoded)), encoded.w);
+      });
+    case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
+      return convert(4, uint32_t(), [](uint32_t bits) { return glm::unpackUnorm3x10_1x2(bits); });
+    case VK_FORMAT_B10G11R11_UFLOAT_PACK32:
+      // A half's exponent over fewer bits of mantissa. (GLM's own function does not know subnormal numbers.)
+      return convert(3, uint32_t(), [half](uint32_t bits) {
+        return glm::vec3(half(uint16_t((bits & 0x7ff) << 4)), half(uint16_t((bits >> 11 & 0x7ff) << 4)),
+                         half(uint16_t((bits >> 22) << 5)));
+      });
     default:
       fail(Exit::Internal, "cannot turn the read-back '{}' of format {} into floats", readback.name,
-           gpu::format_name(readback.desc.format));
+           gpu::format_name(format));
   }
 }
 

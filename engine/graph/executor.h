@@ -196,8 +196,9 @@ class Executor {
   std::vector<const char*> last_readbacks_;
 };
 
-// Writes the read-back of a texel format into floats, `channels` a texel. Packed formats of ours (normal, radiance) are
-// the passes' business: they have a float copy made before reading back.
+// A read-back image's texels as a shader would read them, `channels` a texel: depth as it is stored, integers as
+// numbers (above 2^24 rounded; what is packed into them is the passes' business). Throws nf::Error (Exit::Internal) for
+// a buffer.
 std::vector<float> to_floats(const Readback& readback, uint32_t& channels);
 
 }  // namespace nf::graph
