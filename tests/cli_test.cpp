@@ -100,6 +100,24 @@ TEST_F(CliTest, LogFileHoldsTheLog) {
   EXPECT_NE(bytes_of(out("a.log")).find("info: no layer 'gi'"), std::string::npos) << bytes_of(out("a.log"));
 }
 
+// As a file of its own or inside the preset: the same picture. A flag goes before both.
+TEST_F(CliTest, APresetCanHoldItsView) {
+  const std::string text =
+      R"({"camera": {"position": [0.5, 1.2, 0.9], "target": [0, 0.9, -0.3]}, "directional": [{"direction": [0.3, -1, -0.5]}],
+          "point": [{"position": [0.4, 1.7, 0.2], "intensity": 3, "direction": [0, -1, 0], "outer_cone_deg": 40}],
+          "environment": {"color": [0.2, 0.3, 0.4]}})";
+  const std::string view = input("v.json", text);
+  const std::string preset =
+      input("p.json", R"({"schema": "nearfield.preset/1", "scene": "elsewhere.glb", "view": )" + text + "}");
+  render({"-o", out("a.png"), "--view", view});
+  render({"-o", out("b.png"), "--preset", preset});
+  render({"-o", out("c.png"), "--preset", preset, "--view", "0"});
+  render({"-o", out("d.png"), "--view", "0"});
+  EXPECT_EQ(bytes_of(out("a.png")), bytes_of(out("b.png")));
+  EXPECT_EQ(bytes_of(out("c.png")), bytes_of(out("d.png")));
+  EXPECT_NE(bytes_of(out("a.png")), bytes_of(out("c.png")));
+}
+
 // Flags, then the environment, then the preset, then the default.
 TEST_F(CliTest, Precedence) {
   const std::string preset = input(

@@ -107,7 +107,7 @@ class BenchJob {
 
     scene::Scene scene = open_scene(o_.scene, o_);
     scene::animate(scene, o_.measure.time);
-    view_.camera = view_.previous_camera = scene::select_view(o_.view, scene);
+    view_.camera = view_.previous_camera = choose_view(o_, scene);
     gpu::Device device(device_options(o_));
     if (device.facts.software) log::warn("{} is a software device: all times are CPU times", device.info.name);
     passes::Renderer renderer(device, scene, executor_options(o_));
@@ -119,7 +119,7 @@ class BenchJob {
     for (size_t i = 0; i < subjects.size(); ++i) {
       capture::Run& run = measured.runs[i];
       run.settings = settings_json(subjects[i], view_);
-      run.scene = scene_json(o_.scene, o_.view, scene);
+      run.scene = scene_json(o_.scene, o_.preset_view ? o_.preset : o_.view, scene);
       if (!o_.pictures.empty() && measured.last[i].picture.width) {
         const fs::path file = fs::path(o_.pictures) / (run.name + ".png");
         image::write_png(file, measured.last[i].picture);

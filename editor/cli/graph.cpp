@@ -51,7 +51,7 @@ Command add_graph(CLI::App& parent) {
             passes::FrameView view;
             view.size = parse_size(state->size);
             scene::Scene scene = open_scene(state->scene, *state);
-            view.camera = view.previous_camera = scene::select_view(state->view, scene);
+            view.camera = view.previous_camera = choose_view(*state, scene);
             gpu::Device device(device_options(*state));
             passes::Renderer renderer(device, scene, executor_options(*state));
             const Planned frame = plan_frame(renderer, view, settings);

@@ -5,12 +5,10 @@
 #include <charconv>
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/log.h"
+#include "preset.h"
 
 namespace nf::editor {
 namespace {
@@ -25,48 +23,20 @@ extern "C" void on_interrupt(int) {
 
 using nlohmann::json;
 
-// The preset's own flags go to `options` where they were not given; returns its parameters.
-json read_preset(CommonOptions& options) {
-  std::ifstream in(options.preset);
-  if (!in) fail(Exit::Input, "cannot read the preset '{}': no such file", options.preset);
-  json preset;
-  try {
-    preset = json::parse(in);
-  } catch (const json::exception& e) {
-    fail(Exit::Input, "cannot read the preset '{}': it is not JSON: {}", options.preset, e.what());
+// What the preset says and no flag does goes to `options`; returns its parameters.
+json apply_preset(CommonOptions& options) {
+  Preset preset = read_preset(options.preset);
+  if (preset.technique && !options.technique_given) options.technique = *preset.technique;
+  if (preset.mode && !options.mode_given) options.mode = *preset.mode;
+  if (preset.size && !options.size_given) options.size = *preset.size;
+  if (preset.seed && !options.seed_given) options.seed = *preset.seed;
+  if (preset.view && !options.view_given) {
+    if (const auto* name = std::get_if<std::string>(&*preset.view))
+      options.view = *name;
+    else
+      options.preset_view = std::get<scene::View>(std::move(*preset.view));
   }
-  if (!preset.is_object() || preset.value("schema", json()) != "nearfield.preset/1")
-    fail(Exit::Input, "cannot read the preset '{}': its \"schema\" must be \"nearfield.preset/1\"", options.preset);
-  const auto text = [&](const char* key) {
-    if (!preset[key].is_string()) fail(Exit::Input, "bad preset '{}': '{}' must be a string", options.preset, key);
-    return preset[key].get<std::string>();
-  };
-  json values = json::object();
-  for (const auto& [key, value] : preset.items()) {
-    if (key == "schema") continue;
-    if (key == "technique") {
-      if (!options.technique_given) options.technique = text("technique");
-    } else if (key == "mode") {
-      if (!options.mode_given) options.mode = text("mode");
-      if (options.mode != "paper" && options.mode != "radiometric")
-        fail(Exit::Input, "bad preset '{}': 'mode' must be \"paper\" or \"radiometric\"", options.preset);
-    } else if (key == "view") {
-      if (!options.view_given) options.view = text("view");
-    } else if (key == "size") {
-      if (!options.size_given) options.size = text("size");
-    } else if (key == "seed") {
-      if (!value.is_number_unsigned() || value.get<uint64_t>() > std::numeric_limits<uint32_t>::max())
-        fail(Exit::Input, "bad preset '{}': 'seed' must be a whole number, 0 to 4294967295", options.preset);
-      if (!options.seed_given) options.seed = value.get<uint32_t>();
-    } else if (key == "params") {
-      values = value;
-    } else {
-      fail(Exit::Input,
-           "bad preset '{}': unknown key '{}'; there are schema, technique, mode, view, size, seed, params",
-           options.preset, key);
-    }
-  }
-  return values;
+  return std::move(preset.params);
 }
 
 }  // namespace
@@ -182,7 +152,7 @@ passes::FrameSettings make_settings(CommonOptions& o, Reconstruction reconstruct
   passes::FrameSettings settings;
   settings.reconstruct = reconstruction != Reconstruction::None;
   if (reconstruction == Reconstruction::IfSet) settings.switch_off_reconstruction();
-  const json values = o.preset.empty() ? json::object() : read_preset(o);
+  const json values = o.preset.empty() ? json::object() : apply_preset(o);
   if (!o.technique.empty()) settings.technique = &passes::find_technique(o.technique);
   if (o.mode == "paper") set_paper_mode(settings);
   try {

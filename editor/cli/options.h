@@ -3,11 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "frame.h"
 #include "gpu/device.h"
+#include "scene/view.h"
 
 namespace nf::editor {
 
@@ -23,6 +25,7 @@ struct CommonOptions {
   uint64_t order_seed = 0;
   double timeout = 0;  // seconds; 0 = none
   bool validation = false, quiet = false, verbose = false, no_alias = false;
+  std::optional<scene::View> preset_view;  // the preset's own, where it does not name one and no flag does
   // Which of the flags that a preset can also set were given: they win.
   bool size_given = false, seed_given = false, technique_given = false, mode_given = false, view_given = false;
 };

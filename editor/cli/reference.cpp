@@ -41,7 +41,7 @@ class ReferenceJob {
     const std::vector<std::string> layers = reference::parse_layers(o_.aov, o_.bounces);
     check_kind(frame.gi.shared);
     scene::Scene scene = open_scene(o_.scene, o_);
-    settings.camera = scene::select_view(o_.view, scene);
+    settings.camera = choose_view(o_, scene);
     start_ = Clock::now();
     if (o_.same_information) {
       reference::Buffers buffers = read_buffers(scene, settings);

@@ -110,7 +110,7 @@ class RenderJob {
 
     scene::Scene scene = open_scene(o_.scene, o_);
     scene::animate(scene, o_.time);
-    view_.camera = view_.previous_camera = scene::select_view(o_.view, scene);
+    view_.camera = view_.previous_camera = choose_view(o_, scene);
     if (o_.renderdoc) {
       if (*o_.renderdoc >= o_.frames)
         fail(Exit::Usage, "--renderdoc {}: frames are numbered from 0, and there are {}", *o_.renderdoc, o_.frames);

@@ -6,6 +6,7 @@
 
 #include "cli/progress.h"
 #include "scene/gltf.h"
+#include "scene/view.h"
 
 namespace nf::editor {
 namespace {
@@ -29,6 +30,12 @@ scene::Scene open_scene(const std::string& path, const CommonOptions& options) {
   });
   if (!options.variant.empty()) select_variant(scene, find_variant(scene, options.variant));
   return scene;
+}
+
+scene::Camera choose_view(const CommonOptions& options, scene::Scene& scene) {
+  if (!options.preset_view) return scene::select_view(options.view, scene);
+  scene::apply_view(*options.preset_view, scene);
+  return options.preset_view->camera ? *options.preset_view->camera : scene::select_view("", scene);
 }
 
 }  // namespace nf::editor

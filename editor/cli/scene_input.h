@@ -12,4 +12,7 @@ namespace nf::editor {
 // naming the variants there are where that one is not among them.
 scene::Scene open_scene(const std::string& path, const CommonOptions& options);
 
+// --view, or the preset's own view: its lights become the scene's.
+scene::Camera choose_view(const CommonOptions& options, scene::Scene& scene);
+
 }  // namespace nf::editor

@@ -12,6 +12,7 @@
 #include "capture/pareto.h"
 #include "core/log.h"
 #include "image/file.h"
+#include "preset.h"
 #include "report/report.h"
 
 namespace nf::editor {
@@ -253,11 +254,12 @@ class SweepJob {
       return false;
     }
     const SweepRun& run = spec_.runs[best->run];
-    json preset = {{"schema", "nearfield.preset/1"}, {"technique", run.technique}, {"params", best->params}};
-    if (!run.mode.empty()) preset["mode"] = run.mode;
-    const std::string text = preset.dump(1) + "\n";
+    Preset preset;
+    preset.technique = run.technique;
+    preset.params = best->params;
+    if (!run.mode.empty()) preset.mode = run.mode;
     const fs::path file = folder_ / "budget.json";
-    image::write_file(file, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+    write_preset(file, preset);
     fmt::print("within {:.6g} ms: {} takes {:.3f} ms and has {} {:.6g} (means over {} scenes)\n", budget, best->setting,
                best->ms, metric, best->error, spec_.places.size());
     fmt::print("given up: the least error of all is {:.6g}, of {} at {:.3f} ms\n", least->error, least->setting,

@@ -74,6 +74,7 @@ Environment make_environment_map(const image::Image& picture, const std::string&
   Environment map{.kind = EnvironmentKind::Map,
                   .width = picture.width,
                   .height = picture.height,
+                  .intensity = intensity,
                   .rotation = float(glm::radians(std::fmod(double(rotation_deg), 360.0))),
                   .file = file};
   const size_t count = size_t(picture.width) * picture.height;

@@ -25,7 +25,8 @@ struct Environment {
   // with u = 0.5 + atan2(z, x) / 2 pi, v = 0.5 + asin(y) / pi. Every value is finite and not negative.
   uint32_t width = 0, height = 0;
   std::vector<glm::vec3> texels;
-  float rotation = 0;  // radians: turns the map about +Y, right-handed
+  float intensity = 1;  // what is multiplied into `texels`, for who writes the map's name down again
+  float rotation = 0;   // radians: turns the map about +Y, right-handed
   std::string file;    // the map's, for messages
 };
 

@@ -144,12 +144,27 @@ DirectionalLight read_directional(const Reader& reader) {
 }
 
 PunctualLight read_point(const Reader& reader) {
-  reader.expect_object({"position", "color", "intensity", "radius"});
+  reader.expect_object(
+      {"position", "color", "intensity", "radius", "range", "direction", "inner_cone_deg", "outer_cone_deg"});
   PunctualLight light;
   light.position = reader.vector("position");
   light.color = reader.color("color", light.color);
   light.intensity = reader.number_at_least("intensity", light.intensity, 0);
   light.radius = reader.number_at_least("radius", light.radius, 0);
+  light.range = reader.number_at_least("range", light.range, 0);
+  const bool spot = reader.has("outer_cone_deg");
+  if (!spot) {
+    for (const char* key : {"direction", "inner_cone_deg"})
+      if (reader.has(key))
+        reader.bad("'{}' belongs to a spot light, which has an outer_cone_deg", reader.key_path(key));
+    return light;
+  }
+  light.direction = reader.direction("direction");
+  const float outer = reader.number("outer_cone_deg", 45), inner = reader.number_at_least("inner_cone_deg", 0, 0);
+  if (!(outer > 0 && outer <= 90)) reader.bad("'{}.outer_cone_deg' must be above 0 and not above 90", reader.path());
+  if (!(inner < outer)) reader.bad("'{0}.inner_cone_deg' must be below '{0}.outer_cone_deg'", reader.path());
+  light.outer_cone = glm::radians(outer);
+  light.inner_cone = glm::radians(inner);
   return light;
 }
 
@@ -235,10 +250,9 @@ Camera default_camera(const Scene& scene) {
 
 }  // namespace
 
-View load_view(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  const json document = read_json(file);
-  const Reader reader(file, document, "");
+View parse_view(const json& value, const std::string& file, const std::filesystem::path& folder,
+                const std::string& at) {
+  const Reader reader(file, value, at);
   reader.expect_object({"camera", "directional", "point", "environment"});
   View view;
   if (reader.has("camera")) view.camera = read_camera(reader.child("camera"));
@@ -250,8 +264,12 @@ View load_view(const std::filesystem::path& path) {
     view.point.emplace();
     for (const Reader& row : reader.list("point")) view.point->push_back(read_point(row));
   }
-  if (reader.has("environment")) view.environment = read_environment(reader.child("environment"), path.parent_path());
+  if (reader.has("environment")) view.environment = read_environment(reader.child("environment"), folder);
   return view;
+}
+
+View load_view(const std::filesystem::path& path) {
+  return parse_view(read_json(path.string()), path.string(), path.parent_path());
 }
 
 CameraPath load_path(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,14 @@ struct View {
 // (0,180), near <= 0), an environment of two kinds at once, or whose map cannot be read (its path is relative to the
 // view file).
 View load_view(const std::filesystem::path& path);
+// The same of an object inside another file, at JSON path `at` ("" = the file itself): `file` names it in messages, an
+// environment map's path is relative to `folder`.
+View parse_view(const nlohmann::json& value, const std::string& file, const std::filesystem::path& folder,
+                const std::string& at = "");
+// What parse_view() reads back: to the last bit, but for directions and angles, which it makes anew (1e-6).
+// A map's path is written relative to `folder` where it lies in it, else absolute. Throws nf::Error (Exit::Output) for
+// a map that came from no file.
+nlohmann::json to_json(const View& view, const std::filesystem::path& folder);
 void apply_view(const View& view, Scene& scene);
 
 // What --view means: a .json file, a camera's name, or its number; empty = the scene's first camera, or a framing of

@@ -1,0 +1,86 @@
+// Reading is strict, as everywhere: a mistyped key would silently give another picture.
+#include "preset.h"
+
+#include <fstream>
+#include <limits>
+
+#include "core/error.h"
+#include "image/file.h"
+
+namespace nf::editor {
+
+using nlohmann::json;
+
+Preset read_preset(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  std::ifstream in(path);
+  if (!in) fail(Exit::Input, "cannot read the preset '{}': no such file", file);
+  json document;
+  try {
+    document = json::parse(in);
+  } catch (const json::exception& e) {
+    fail(Exit::Input, "cannot read the preset '{}': it is not JSON: {}", file, e.what());
+  }
+  if (!document.is_object() || document.value("schema", json()) != "nearfield.preset/1")
+    fail(Exit::Input, "cannot read the preset '{}': its \"schema\" must be \"nearfield.preset/1\"", file);
+  Preset preset;
+  for (const auto& [key, value] : document.items()) {
+    const auto text = [&, name = key, &held = value] {
+      if (!held.is_string()) fail(Exit::Input, "bad preset '{}': '{}' must be a string", file, name);
+      return held.get<std::string>();
+    };
+    if (key == "schema") continue;
+    if (key == "scene") {
+      preset.scene = text();
+    } else if (key == "technique") {
+      preset.technique = text();
+    } else if (key == "mode") {
+      preset.mode = text();
+      if (preset.mode != "paper" && preset.mode != "radiometric")
+        fail(Exit::Input, "bad preset '{}': 'mode' must be \"paper\" or \"radiometric\"", file);
+    } else if (key == "view") {
+      if (value.is_object())
+        preset.view = scene::parse_view(value, file, path.parent_path(), "view");
+      else if (value.is_string())
+        preset.view = value.get<std::string>();
+      else
+        fail(Exit::Input, "bad preset '{}': 'view' must be a string, or an object as in a view file", file);
+    } else if (key == "size") {
+      preset.size = text();
+    } else if (key == "seed") {
+      if (!value.is_number_unsigned() || value.get<uint64_t>() > std::numeric_limits<uint32_t>::max())
+        fail(Exit::Input, "bad preset '{}': 'seed' must be a whole number, 0 to 4294967295", file);
+      preset.seed = value.get<uint32_t>();
+    } else if (key == "params") {
+      preset.params = value;
+    } else {
+      fail(Exit::Input,
+           "bad preset '{}': unknown key '{}'; there are schema, scene, technique, mode, view, size, seed, params",
+           file, key);
+    }
+  }
+  return preset;
+}
+
+void write_preset(const std::filesystem::path& path, const Preset& preset) {
+  json document = {{"schema", "nearfield.preset/1"}};
+  const auto put = [&](const char* key, const std::optional<std::string>& value) {
+    if (value) document[key] = *value;
+  };
+  put("scene", preset.scene);
+  put("technique", preset.technique);
+  put("mode", preset.mode);
+  put("size", preset.size);
+  if (preset.seed) document["seed"] = *preset.seed;
+  if (preset.view) {
+    if (const auto* name = std::get_if<std::string>(&*preset.view))
+      document["view"] = *name;
+    else
+      document["view"] = scene::to_json(std::get<scene::View>(*preset.view), path.parent_path());
+  }
+  if (!preset.params.empty()) document["params"] = preset.params;
+  const std::string text = document.dump(1) + "\n";
+  image::write_file(path, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
+}  // namespace nf::editor
