@@ -12,7 +12,8 @@ std::vector<ParamBlock> FrameSettings::blocks() {
                                  {&LightParams::table(), &lights},      {&ShadowParams::table(), &shadow},
                                  {&FeedbackParams::table(), &feedback}, {&ResolutionParams::table(), &resolution},
                                  {&TemporalParams::table(), &temporal}, {&DenoiseParams::table(), &denoise},
-                                 {&TaaParams::table(), &taa},           {&TonemapParams::table(), &tonemap}};
+                                 {&TaaParams::table(), &taa},           {&TonemapParams::table(), &tonemap},
+                                 {&DebugParams::table(), &debug}};
   for (const Technique& t : techniques())
     if (const ParamBlock block = t.params(gi); block.table) all.push_back(block);
   return all;
@@ -38,7 +39,7 @@ std::vector<const ParamTable*> inner_tables() {
           &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table(),   &ReprojectBlock::table(),
           &TemporalBlock::table(),  &DenoiseBlock::table(),     &TaaBlock::table(),      &SplitBlock::table(),
           &UpsampleBlock::table(),  &CropBlock::table(),        &FeedbackBlock::table(), &FeedbackMergeBlock::table(),
-          &MarcherBlock::table()};
+          &MarcherBlock::table(),   &NanScanBlock::table()};
 }
 
 gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,
@@ -81,6 +82,23 @@ Renderer::~Renderer() {
 
 void Renderer::update(const scene::Changes& changes) {
   tables_->update(changes);
+}
+
+void Renderer::update_environment() {
+  EnvironmentMaps maps = create_environment(device_, scene_.environment);
+  try {
+    LightingPass lighting = create_lighting(*pipelines_, maps.any());
+    BlendPass blend = create_blend(*pipelines_, *tables_, maps.any());
+    aovs_ = create_aovs(*pipelines_, maps.any());
+    lighting_ = std::move(lighting);
+    blend_ = std::move(blend);
+  } catch (...) {
+    destroy(device_, maps);
+    throw;
+  }
+  device_.wait_idle();
+  destroy(device_, environment_);
+  environment_ = std::move(maps);
 }
 
 FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const FrameSettings& settings) {
@@ -154,12 +172,17 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
   if (taa) out.lit = add_taa(graph, *pipelines_, out.gbuffer, reproject, out.lit, settings.taa);
   if (out.border != glm::ivec2(0)) out.lit = add_crop(graph, *pipelines_, out.lit, out.border);
   // What a frame offers. Whoever runs it reads what he wants to see.
-  for (const graph::Tex offered :
-       {out.gbuffer.depth, out.gbuffer.normal, out.gbuffer.albedo, out.gbuffer.material, out.gbuffer.emissive,
-        out.gbuffer.velocity, out.direct.diffuse, out.direct.specular, out.direct.radiance, out.gi_raw.visibility,
-        out.gi_raw.bent, out.gi_raw.gi, out.gi_raw.ambient, out.gi.visibility, out.gi.bent, out.gi.gi, out.gi.ambient,
-        out.lit})
-    graph.optional(offered);
+  const graph::Tex offered[] = {out.gbuffer.depth,    out.gbuffer.normal,
+                                out.gbuffer.albedo,   out.gbuffer.material,
+                                out.gbuffer.emissive, out.gbuffer.velocity,
+                                out.direct.diffuse,   out.direct.specular,
+                                out.direct.radiance,  out.gi_raw.visibility,
+                                out.gi_raw.bent,      out.gi_raw.gi,
+                                out.gi_raw.ambient,   out.gi.visibility,
+                                out.gi.bent,          out.gi.gi,
+                                out.gi.ambient,       out.lit};
+  if (settings.debug.nan_scan) out.nan_scan = add_nan_scan(graph, *pipelines_, offered);
+  for (const graph::Tex tex : offered) graph.optional(tex);
   return out;
 }
 

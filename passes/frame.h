@@ -32,6 +32,7 @@ struct FrameSettings {
   TemporalParams temporal;
   DenoiseParams denoise;
   TaaParams taa;
+  DebugParams debug;
 
   // Tables of everything, for --set, presets and help.
   std::vector<ParamBlock> blocks();
@@ -50,6 +51,10 @@ class Renderer {
 
   // After scene::animate() or update(), at most once a frame: copies what changed.
   void update(const scene::Changes& changes);
+
+  // After the scene's environment was replaced: its maps, and the shaders' variants that read them. Waits for the
+  // device; filtering a map takes the CPU a while. Throws nf::Error as the constructor does; then all is as before.
+  void update_environment();
 
   // Adds all passes up to `lit`. The graph refers to this renderer's tables and must run before the next build(). With
   // another technique than the last time, all histories start anew.

@@ -25,6 +25,8 @@ FrameBlock make_frame_block(const FrameView& view, const scene::Scene& scene, co
   block.seed = view.seed;
   block.near = view.camera.near;
   block.lambert = material.lambert;
+  block.albedo_scale = material.albedo_scale;
+  block.emissive_scale = material.emissive_scale;
   block.camera_position = view.camera.position;
   block.environment = scene.environment.color;
   return block;

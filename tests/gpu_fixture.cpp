@@ -1,6 +1,7 @@
 // The GPU test fixture.
 #include "gpu_fixture.h"
 
+#include <cstdlib>
 #include <fstream>
 #include <unistd.h>
 
@@ -94,6 +95,36 @@ Shot GpuTest::shoot(const scene::Scene& scene, const Request& request) {
   }
   shot.plan = renderer.executor().plan();
   return shot;
+}
+
+void EditedShadersTest::SetUp() {
+  const std::filesystem::path data = temporary("data");
+  shaders_ = data / "shaders";
+  std::filesystem::create_directories(data);
+  std::filesystem::copy(std::filesystem::path(NF_SOURCE_DIR) / "shaders", shaders_,
+                        std::filesystem::copy_options::recursive);
+  setenv("NEARFIELD_DATA_DIR", data.c_str(), 1);
+}
+
+void EditedShadersTest::TearDown() {
+  unsetenv("NEARFIELD_DATA_DIR");
+  GpuTest::TearDown();
+}
+
+std::string EditedShadersTest::text_of(const std::string& file) const {
+  std::ifstream in(shaders_ / file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void EditedShadersTest::write(const std::string& file, const std::string& text) const {
+  std::ofstream(shaders_ / file) << text;
+}
+
+void EditedShadersTest::edit(const std::string& file, const std::string& from, const std::string& to) const {
+  std::string text = text_of(file);
+  const size_t at = text.find(from);
+  ASSERT_NE(at, text.npos) << file << " has no " << from;
+  write(file, text.replace(at, from.size(), to));
 }
 
 void GpuGraphTest::start(std::initializer_list<std::pair<const char*, const char*>> shaders,

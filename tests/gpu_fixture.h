@@ -56,6 +56,18 @@ class GpuTest : public testing::Test {
   std::filesystem::path folder_;
 };
 
+// Renderers that are made in the test compile from a copy of all shaders, which the test may change.
+class EditedShadersTest : public GpuTest {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+  std::string text_of(const std::string& file) const;
+  void write(const std::string& file, const std::string& text) const;
+  // In `file`, the first `from` becomes `to`.
+  void edit(const std::string& file, const std::string& from, const std::string& to) const;
+  std::filesystem::path shaders_;
+};
+
 // Graphs with shaders of the test's own, beside the engine's common ones.
 class GpuGraphTest : public GpuTest {
  protected:

@@ -1,44 +1,21 @@
 // Shaders edited while frames run: what is broken leaves the last good program running, what is mended shows.
-#include <cstdlib>
-#include <fstream>
-
 #include "gpu_fixture.h"
 
 namespace nf::test {
 namespace {
 
-namespace fs = std::filesystem;
 using Names = std::vector<std::string>;
 
-std::string read(const fs::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-// A copy of all shaders, and a renderer that compiles from it.
-class Reload : public GpuTest {
+class Reload : public EditedShadersTest {
  protected:
   void SetUp() override {
-    const fs::path data = temporary("data");
-    shaders_ = data / "shaders";
-    fs::create_directories(data);
-    fs::copy(fs::path(NF_SOURCE_DIR) / "shaders", shaders_, fs::copy_options::recursive);
-    setenv("NEARFIELD_DATA_DIR", data.c_str(), 1);
+    EditedShadersTest::SetUp();
     scene_ = load(small_room());
     renderer_ = std::make_unique<passes::Renderer>(device(), scene_);
   }
   void TearDown() override {
     renderer_.reset();
-    unsetenv("NEARFIELD_DATA_DIR");
-    GpuTest::TearDown();
-  }
-  // In `file`, `from` becomes `to`.
-  void edit(const std::string& file, const std::string& from, const std::string& to) const {
-    std::string text = read(shaders_ / file);
-    const size_t at = text.find(from);
-    ASSERT_NE(at, text.npos) << file << " has no " << from;
-    text.replace(at, from.size(), to);
-    std::ofstream(shaders_ / file) << text;
+    EditedShadersTest::TearDown();
   }
   gpu::Reload reload(const Names& changed) { return renderer_->pipelines().reload(changed); }
   std::vector<std::byte> frame() {
@@ -52,19 +29,18 @@ class Reload : public GpuTest {
     renderer_->executor().run(graph);
     return renderer_->executor().take_readbacks().at(0).texels;
   }
-  fs::path shaders_;
   scene::Scene scene_;
   passes::FrameSettings settings_;
   std::unique_ptr<passes::Renderer> renderer_;
 };
 
 TEST_F(Reload, ABrokenShaderKeepsThePictureAndAMendedOneChangesIt) {
-  const std::string good = read(shaders_ / "tonemap.frag");
+  const std::string good = text_of("tonemap.frag");
   const std::vector<std::byte> before = frame();
   EXPECT_EQ(frame(), before);
   const uint64_t replans = renderer_->executor().replans();
 
-  std::ofstream(shaders_ / "tonemap.frag") << good << "\nvoid broken() { no_such_word = 1.0; }\n";
+  write("tonemap.frag", good + "\nvoid broken() { no_such_word = 1.0; }\n");
   const gpu::Reload broken = reload({"tonemap.frag"});
   EXPECT_EQ(broken.recompiled, 0u);
   ASSERT_EQ(broken.errors.size(), 1u);
@@ -79,8 +55,8 @@ TEST_F(Reload, ABrokenShaderKeepsThePictureAndAMendedOneChangesIt) {
   EXPECT_EQ(reload({"marcher.comp"}).errors, broken.errors);
 
   // Its two slots are no longer used: the frame still feeds them.
-  std::ofstream(shaders_ / "tonemap.frag")
-      << "#version 460\nlayout(location = 0) out vec4 ldr;\nvoid main() { ldr = vec4(1.0, 0.5, 0.0, 1.0); }\n";
+  write("tonemap.frag",
+        "#version 460\nlayout(location = 0) out vec4 ldr;\nvoid main() { ldr = vec4(1.0, 0.5, 0.0, 1.0); }\n");
   const gpu::Reload mended = reload({"tonemap.frag"});
   EXPECT_TRUE(mended.errors.empty());
   EXPECT_EQ(mended.recompiled, 1u);
@@ -91,7 +67,7 @@ TEST_F(Reload, ABrokenShaderKeepsThePictureAndAMendedOneChangesIt) {
   for (size_t i = 0; i < orange.size(); i += 4)
     ASSERT_TRUE(uint8_t(orange[i]) == 255 && uint8_t(orange[i + 2]) == 0) << "texel " << i / 4;
 
-  std::ofstream(shaders_ / "tonemap.frag") << good;
+  write("tonemap.frag", good);
   EXPECT_EQ(reload({"tonemap.frag"}).recompiled, 1u);
   EXPECT_EQ(frame(), before);
   EXPECT_EQ(renderer_->executor().replans(), replans + 2) << "one for the slots that went, one for their return";
@@ -108,15 +84,15 @@ TEST_F(Reload, AnIncludeReachesWhoReadsIt) {
   EXPECT_LT(some, all);
   EXPECT_EQ(frame(), before);
 
-  const std::string good = read(shaders_ / "common/brdf.glsl");
-  std::ofstream(shaders_ / "common/brdf.glsl") << "float twice(float x) { return x * 2.0 }\n" << good;
+  const std::string good = text_of("common/brdf.glsl");
+  write("common/brdf.glsl", "float twice(float x) { return x * 2.0 }\n" + good);
   const gpu::Reload broken = reload({"common/brdf.glsl"});
   EXPECT_EQ(broken.recompiled, 0u);
   ASSERT_EQ(broken.errors.size(), 1u) << "one fault, however many programs have it";
   EXPECT_EQ(broken.errors[0].file, "common/brdf.glsl");
   EXPECT_EQ(broken.errors[0].line, 1u);
   EXPECT_EQ(frame(), before);
-  std::ofstream(shaders_ / "common/brdf.glsl") << good;
+  write("common/brdf.glsl", good);
   const gpu::Reload mended = reload({"common/brdf.glsl"});
   EXPECT_EQ(mended.recompiled, some);
   EXPECT_TRUE(mended.errors.empty());
@@ -125,7 +101,7 @@ TEST_F(Reload, AnIncludeReachesWhoReadsIt) {
   // A new include, broken at first: the program that asks for it waits for it.
   edit("tonemap.frag", "void main() {", "#include \"common/fresh.glsl\"\nvoid main() {");
   EXPECT_EQ(reload({"tonemap.frag"}).errors.size(), 1u);
-  std::ofstream(shaders_ / "common/fresh.glsl") << "const float fresh = 1.0;\n";
+  write("common/fresh.glsl", "const float fresh = 1.0;\n");
   EXPECT_EQ(reload({"common/fresh.glsl"}).recompiled, 1u);
   EXPECT_EQ(reload({"common/fresh.glsl"}).recompiled, 1u) << "and depends on it from then on";
   EXPECT_EQ(frame(), before);
@@ -135,11 +111,11 @@ TEST_F(Reload, AnIncludeReachesWhoReadsIt) {
 // of running a plan that does not know of it.
 TEST_F(Reload, PlansFollowTheInterface) {
   const std::vector<std::byte> before = frame();
-  const std::string good = read(shaders_ / "composite.frag");
+  const std::string good = text_of("composite.frag");
   edit("composite.frag", "void main() {", "uniform texture2D stranger;\nvoid main() {");
-  std::string text = read(shaders_ / "composite.frag");
+  std::string text = text_of("composite.frag");
   text.insert(text.rfind('}'), "  lit += texelFetch(stranger, ivec2(0), 0);\n");
-  std::ofstream(shaders_ / "composite.frag") << text;
+  write("composite.frag", text);
   EXPECT_TRUE(reload({"composite.frag"}).errors.empty()) << "it compiles";
   for (int i = 0; i < 2; ++i) try {
       frame();
@@ -147,18 +123,17 @@ TEST_F(Reload, PlansFollowTheInterface) {
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("'stranger' is not fed"), std::string::npos) << error.what();
     }
-  std::ofstream(shaders_ / "composite.frag") << good;
+  write("composite.frag", good);
   reload({"composite.frag"});
   EXPECT_EQ(frame(), before);
 
   // Another shape of workgroup: the number of groups follows.
   const uint64_t replans = renderer_->executor().replans();
-  const std::string main = read(shaders_ / "gi/inputs.glsl");
+  const std::string main = text_of("gi/inputs.glsl");
   const size_t at = main.find("local_size_x");
   ASSERT_NE(at, main.npos);
   const size_t end = main.find(")", at);
-  std::ofstream(shaders_ / "gi/inputs.glsl")
-      << main.substr(0, at) << "local_size_x = 32, local_size_y = 4" << main.substr(end);
+  write("gi/inputs.glsl", main.substr(0, at) + "local_size_x = 32, local_size_y = 4" + main.substr(end));
   EXPECT_EQ(reload({"gi/inputs.glsl"}).recompiled, 1u);
   EXPECT_EQ(frame(), before);
   EXPECT_EQ(renderer_->executor().replans(), replans + 1);
@@ -167,10 +142,10 @@ TEST_F(Reload, PlansFollowTheInterface) {
 // What compiles and could not run: told before the driver meets it.
 TEST_F(Reload, LimitsAreFaultsToo) {
   const std::vector<std::byte> before = frame();
-  const std::string tonemap = read(shaders_ / "tonemap.frag"), vertex = read(shaders_ / "gbuffer.vert");
+  const std::string tonemap = text_of("tonemap.frag"), vertex = text_of("gbuffer.vert");
   const size_t end = tonemap.rfind('}');
   const auto fault = [&](const char* file, const std::string& text) {
-    std::ofstream(shaders_ / file) << text;
+    write(file, text);
     const gpu::Reload result = reload({file});
     EXPECT_EQ(frame(), before);
     return result.errors.empty() ? std::string() : result.errors[0].file + ": " + result.errors[0].message;

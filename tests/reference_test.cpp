@@ -316,7 +316,7 @@ TEST(ReferenceLayers, NamesAreChecked) {
 TEST(ReferenceWorld, WhatMoves) {
   scene::Scene scene = scene::load_gltf(NF_BINARY_DIR "/content/atrium.glb");
   scene::animate(scene, 1.3);
-  const reference::World world(scene, true);
+  const reference::World world(scene, {.lambert = true});
   size_t skinned = 0, off = 0;
   for (uint32_t i = 0; i < world.instances().size(); ++i) {
     const reference::WorldInstance& instance = world.instances()[i];

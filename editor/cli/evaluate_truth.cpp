@@ -78,8 +78,7 @@ const Truth* TruthStore::path_traced(const scene::Scene& scene, const scene::Cam
   s.radius_mode = limits.radius_mode;
   s.falloff = limits.falloff;
   s.bound_gi = true;
-  s.lambert = settings.material.lambert != 0;
-  s.blending = reference::Blending(settings.material.blend);
+  apply_materials(settings.material, s);
   s.seed = options_.seed;
   s.threads = options_.threads;
   const std::vector<std::string> layers = {"visibility", "gi_1", "ambient", "depth"};

@@ -3,7 +3,23 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/log.h"
+#include "graph/probe.h"
+
 namespace nf::editor {
+
+namespace {
+
+void tell_non_finite(const passes::NanScan& scan, const std::vector<graph::Readback>& readbacks, uint32_t frame) {
+  const graph::Readback* found = graph::find_readback(readbacks, "readback.nan_scan");
+  if (!found) return;
+  for (const passes::NonFiniteTexels& image : read_nan_scan(scan, *found))
+    if (image.any())
+      log::error("frame {}: '{}' has {} texels with NaN and {} infinite ones, the first at {},{}", frame, image.image,
+                 image.nan, image.inf, image.first.x, image.first.y);
+}
+
+}  // namespace
 
 graph::FrameResult run_frame(passes::Renderer& renderer, passes::FrameView& view, const passes::FrameSettings& settings,
                              const FrameRequest& request) {
@@ -14,11 +30,14 @@ graph::FrameResult run_frame(passes::Renderer& renderer, passes::FrameView& view
     graph.readback("readback.layer", renderer.add_layer(graph, outputs, *aov, request.mean));
   if (outputs.loop_energy) graph.readback("readback.loop_energy", outputs.loop_energy);
   if (outputs.clamped_energy) graph.readback("readback.clamped_energy", outputs.clamped_energy);
+  if (outputs.nan_scan.found) graph.readback("readback.nan_scan", outputs.nan_scan.found);
   if (request.picture || request.layers.empty())
     graph.readback("readback.picture", renderer.add_picture(graph, outputs, settings, request.mean));
   renderer.executor().run(graph, {.timing = request.timing});
   view.previous_camera = view.camera;
-  return renderer.executor().finish();
+  graph::FrameResult result = renderer.executor().finish();
+  if (outputs.nan_scan.found) tell_non_finite(outputs.nan_scan, renderer.executor().take_readbacks(), view.frame_index);
+  return result;
 }
 
 std::vector<const passes::Aov*> layers_given(passes::Renderer& renderer, const passes::FrameView& view,

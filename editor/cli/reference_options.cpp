@@ -29,6 +29,13 @@ reference::RadiusMode parse_radius_mode(const std::string& text, reference::Radi
 
 }  // namespace
 
+void apply_materials(const passes::MaterialParams& material, reference::Settings& settings) {
+  settings.lambert = material.lambert != 0;
+  settings.albedo_scale = material.albedo_scale;
+  settings.emissive_scale = material.emissive_scale;
+  settings.blending = reference::Blending(material.blend);
+}
+
 reference::Settings tracer_settings(const ReferenceOptions& o, const passes::MaterialParams& material) {
   reference::Settings s;
   s.size = parse_size(o.size);
@@ -37,8 +44,7 @@ reference::Settings tracer_settings(const ReferenceOptions& o, const passes::Mat
   s.radius_mode = parse_radius_mode(o.radius_mode, reference::RadiusMode::Ball);
   s.falloff = o.falloff.value_or(s.falloff);
   s.bound_gi = o.bound_gi;
-  s.lambert = material.lambert != 0;
-  s.blending = reference::Blending(material.blend);
+  apply_materials(material, s);
   s.include_ambient = o.include_ambient;
   s.pixel_box = o.pixel == "box";
   s.sampler = o.sampler == "independent" ? reference::SamplerKind::Independent : reference::SamplerKind::Sobol;

@@ -27,6 +27,8 @@ void add_reference_flags(CLI::App& app, ReferenceOptions& options);
 // The text below the flags in --help.
 std::string reference_help();
 
+// The material.* parameters as the tracer has them.
+void apply_materials(const passes::MaterialParams& material, reference::Settings& settings);
 // Without the camera. Throws nf::Error (Exit::Usage).
 reference::Settings tracer_settings(const ReferenceOptions& options, const passes::MaterialParams& material);
 // What a technique with its parameters takes the screen for.

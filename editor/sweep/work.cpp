@@ -80,7 +80,17 @@ bool trace_reference(const SweepWork& work, const SweepPlace& place) {
   const Stage stage(spec, place);
   reference::Settings settings{.camera = stage.view.camera, .size = spec.size, .bounces = spec.reference->bounces};
   settings.seed = spec.seed;
-  for (const SweepRun& run : spec.runs) settings.lambert |= run.base.value("material.lambert", false);
+  for (const SweepRun& run : spec.runs) {
+    settings.lambert |= run.base.value("material.lambert", false);
+    const float albedo = run.base.value("material.albedo_scale", 1.0f),
+                emissive = run.base.value("material.emissive_scale", 1.0f);
+    if (&run != &spec.runs[0] && (albedo != settings.albedo_scale || emissive != settings.emissive_scale))
+      fail(Exit::Input,
+           "the sweep's runs differ in material.albedo_scale or material.emissive_scale, and have one "
+           "reference: give all the same, or make two sweeps");
+    settings.albedo_scale = albedo;
+    settings.emissive_scale = emissive;
+  }
   reference::Tracer tracer(stage.scene, settings, {spec.layer});
   Progress progress("reference of " + place.id, spec.reference->spp, work.options);
   while (tracer.samples() < spec.reference->spp) {

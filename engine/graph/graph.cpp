@@ -82,6 +82,11 @@ Tex Graph::optional(Tex tex) {
   return tex;
 }
 
+Buf Graph::optional(Buf buffer) {
+  if (const uint16_t row = row_of(buffer, true); row != no_resource) resources[row].optional = true;
+  return buffer;
+}
+
 const ImageDesc& Graph::desc(Tex tex) const {
   static const ImageDesc nothing;
   const uint16_t row = row_of(tex, false);

@@ -246,8 +246,9 @@ class Graph {
   Buf import(const char* name, const gpu::Buffer& buffer, Location at = Location::current());
   // In SHADER_READ_ONLY_OPTIMAL, with its whole view (gpu/upload). Sampled only, and as a whole.
   Tex import(const char* name, const gpu::Image& image, Location at = Location::current());
-  // `tex` is a by-product: it is no fault when nothing reads it.
+  // A by-product: it is no fault when nothing reads it.
   Tex optional(Tex tex);
+  Buf optional(Buf buffer);
 
   PassBuilder compute(const char* name, gpu::Pipeline pipeline, const char* description = "",
                       Location at = Location::current());

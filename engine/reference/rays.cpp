@@ -107,12 +107,17 @@ std::string backend() {
 }
 
 struct Rays::State {
+  explicit State(const World& of) : world(of) {}
   const World& world;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  ~State() {
+    if (scene) rtcReleaseScene(scene);
+    if (device) rtcReleaseDevice(device);
+  }
 };
 
-Rays::Rays(const World& world) : state_(std::make_unique<State>(State{world})) {
+Rays::Rays(const World& world, const std::atomic<bool>* cancel) : state_(std::make_unique<State>(world)) {
   // One thread builds, so that the tree, and with it the choice among equally near surfaces, is always the same.
   state_->device = rtcNewDevice("threads=1,set_affinity=0");
   if (!state_->device) fail(Exit::Internal, "Embree does not start: error {}", int(rtcGetDeviceError(nullptr)));
@@ -137,16 +142,18 @@ Rays::Rays(const World& world) : state_(std::make_unique<State>(State{world})) {
     rtcAttachGeometryByID(state_->scene, geometry, row);
     rtcReleaseGeometry(geometry);
   }
+  if (cancel)
+    rtcSetSceneProgressMonitorFunction(
+        state_->scene, [](void* flag, double) { return !*static_cast<const std::atomic<bool>*>(flag); },
+        const_cast<std::atomic<bool>*>(cancel));
   rtcCommitScene(state_->scene);
   const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_CANCELLED || (cancel && *cancel)) throw Cancelled();
   if (error == RTC_ERROR_OUT_OF_MEMORY) fail(Exit::Gpu, "out of memory: the ray structure of the scene does not fit");
   NF_CHECK(error == RTC_ERROR_NONE, "Embree error {}", int(error));
 }
 
-Rays::~Rays() {
-  rtcReleaseScene(state_->scene);
-  rtcReleaseDevice(state_->device);
-}
+Rays::~Rays() = default;
 
 Hit Rays::closest(const Ray& ray) const {
   Context context{{}, &state_->world, Kind::Any};

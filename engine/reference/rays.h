@@ -18,7 +18,8 @@ class Rays {
   // Cut-outs let rays through their holes, blended surfaces those that a hash of the ray chooses, as many as their
   // alpha says. Surfaces are solid from both sides but for camera rays, which pass through the backs of single-sided
   // ones as a rasteriser does.
-  explicit Rays(const World& world);
+  // Throws Cancelled when `cancel` becomes true while the structure is built.
+  explicit Rays(const World& world, const std::atomic<bool>* cancel = nullptr);
   ~Rays();
   Rays(const Rays&) = delete;
   Rays& operator=(const Rays&) = delete;

@@ -43,6 +43,7 @@ struct Settings {
   float falloff = 0.615f;
   bool bound_gi = false;  // gi, too, gathers only from surfaces within the radius, as techniques do
   bool lambert = false;   // as material.lambert
+  float albedo_scale = 1, emissive_scale = 1;  // as material.albedo_scale, material.emissive_scale
   Blending blending = Blending::Over;
   bool include_ambient = false;  // as feedback.include_ambient: gi also gathers the environment's light at the bounces
   bool pixel_box = false;        // average over the pixel; else its centre, where the G-buffer has its sample
@@ -51,7 +52,10 @@ struct Settings {
   SkySampling sky = SkySampling::Both;
   uint32_t seed = 1;
   uint32_t threads = 0;  // 0: all there are. The result does not depend on it.
+  // Where it becomes true the tracer gives up at once: its constructor throws Cancelled, sample() returns false.
+  const std::atomic<bool>* cancel = nullptr;
 };
+struct Cancelled {};
 
 // Layers by name: those of the README, `direct_specular`, `specular` (all light over a specular bounce that no other
 // layer has), and `gi_K`, `indirect_K`: the same as `gi`, `indirect` with K bounces. "" is the final radiance.
@@ -87,8 +91,10 @@ class Tracer {
   Tracer& operator=(const Tracer&) = delete;
 
   // Takes `count` more samples of every pixel, rounded up to an even number: half of them for each half-buffer, whose
-  // sample sequences are independent of each other.
-  void sample(uint32_t count);
+  // sample sequences are independent of each other. False: cancelled, and what the tracer holds means nothing.
+  bool sample(uint32_t count);
+  // Starts anew with another camera and size. The ray structure stays.
+  void set_view(const scene::Camera& camera, glm::uvec2 size);
   uint32_t samples() const;  // of a pixel, both halves
   uint64_t rays() const;     // traced so far, shadow rays included
 

@@ -43,7 +43,7 @@ uint64_t fingerprint(const scene::Scene& scene, const Settings& s, const std::ve
   f.add(e.width), f.add(e.texels), f.add(e.rotation);
   f.add(s.camera.position), f.add(s.camera.forward), f.add(s.camera.up), f.add(s.camera.vfov), f.add(s.camera.near);
   f.add(s.size), f.add(s.bounces), f.add(s.radius), f.add(s.radius_mode), f.add(s.falloff), f.add(s.bound_gi),
-      f.add(s.lambert), f.add(s.blending);
+      f.add(s.lambert), f.add(s.blending), f.add(s.albedo_scale), f.add(s.emissive_scale);
   f.add(s.include_ambient), f.add(s.pixel_box), f.add(s.sampler), f.add(s.emitters), f.add(s.sky), f.add(s.seed);
   for (const std::string& layer : layers) f.add(layer);
   return f.value();
@@ -53,8 +53,8 @@ struct Tracer::State {
   State(const scene::Scene& scene, const Settings& s, const std::vector<std::string>& names)
       : settings(s),
         layers(names),
-        world(scene, s.lambert, s.blending),
-        rays(world),
+        world(scene, s),
+        rays(world, s.cancel),
         lights(world),
         film(make_film(names, s.size, s.bounces)) {}
 
@@ -65,6 +65,8 @@ struct Tracer::State {
   Lights lights;
   Film film;
   uint64_t ray_count = 0;
+
+  bool cancelled() const { return settings.cancel && settings.cancel->load(std::memory_order_relaxed); }
 
   void sample_pixel(const Integrator& it, uint32_t x, uint32_t y, uint32_t count, uint64_t& rays_here) {
     const size_t pixel = size_t(y) * film.size.x + x;
@@ -96,18 +98,28 @@ Tracer::Tracer(const scene::Scene& scene, const Settings& settings, std::vector<
 
 Tracer::~Tracer() = default;
 
-void Tracer::sample(uint32_t count) {
+bool Tracer::sample(uint32_t count) {
   State& state = *state_;
   const uint32_t each = (count + 1) / 2;
   const Integrator it{state.world, state.rays, state.lights, state.settings, wanted_by(state.film)};
   std::atomic<uint64_t> rays = 0;
   for_rows(state.film.size.y, state.settings.threads, [&](uint32_t y) {
     uint64_t rays_here = 0;
-    for (uint32_t x = 0; x < state.film.size.x; ++x) state.sample_pixel(it, x, y, each, rays_here);
+    for (uint32_t x = 0; x < state.film.size.x && !state.cancelled(); ++x)
+      state.sample_pixel(it, x, y, each, rays_here);
     rays += rays_here;
   });
   state.film.samples += each;
   state.ray_count += rays;
+  return !state.cancelled();
+}
+
+void Tracer::set_view(const scene::Camera& camera, glm::uvec2 size) {
+  State& state = *state_;
+  state.settings.camera = camera;
+  state.settings.size = size;
+  state.film = make_film(state.layers, size, state.settings.bounces);
+  state.ray_count = 0;
 }
 
 uint32_t Tracer::samples() const {

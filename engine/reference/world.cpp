@@ -64,12 +64,17 @@ T between(const T& a, const T& b, const T& c, float u, float v) {
 
 }  // namespace
 
-World::World(const scene::Scene& scene, bool lambert, Blending blending) : scene_(scene), lambert_(lambert) {
+World::World(const scene::Scene& scene, const Settings& settings)
+    : scene_(scene),
+      lambert_(settings.lambert),
+      albedo_scale_(settings.albedo_scale),
+      emissive_scale_(settings.emissive_scale) {
   for (size_t i = 0; i < scene.instances.size(); ++i) {
+    if (settings.cancel && *settings.cancel) throw Cancelled();
     WorldInstance instance;
     instance.primitive = &scene.primitives[scene.instances.primitive[i]];
     instance.material = &scene.materials[instance.primitive->material];
-    instance.blended = instance.material->alpha == scene::AlphaMode::Blend && blending == Blending::Over;
+    instance.blended = instance.material->alpha == scene::AlphaMode::Blend && settings.blending == Blending::Over;
     instance.masked = instance.material->alpha != scene::AlphaMode::Opaque && !instance.blended;
     instance.mirrored = scene.instances.mirrored[i] ? -1.0f : 1.0f;
     if (scene.instances.skin[i] != scene::none || instance.primitive->target_count > 0) {
@@ -140,8 +145,8 @@ bool World::hole(uint32_t instance, uint32_t triangle, float u, float v) const {
 
 vec3 World::emission(uint32_t instance, uint32_t triangle, float u, float v) const {
   const scene::Material& m = *instances_[instance].material;
-  if (m.emissive_texture == scene::none) return m.emissive;
-  return m.emissive *
+  if (m.emissive_texture == scene::none) return m.emissive * emissive_scale_;
+  return m.emissive * emissive_scale_ *
          vec3(texture(m.emissive_texture, uv(m, scene::Slot::Emissive, vertices(instance, triangle), u, v)));
 }
 
@@ -186,9 +191,9 @@ Surface World::surface(const Hit& hit, vec3 direction) const {
 
   vec4 base = m.base_color * between(g.color[i.a], g.color[i.b], g.color[i.c], hit.u, hit.v);
   if (m.base_color_texture != scene::none) base *= looked_up(m.base_color_texture, scene::Slot::BaseColor);
-  s.albedo = glm::clamp(vec3(base), vec3(0), vec3(1));
+  s.albedo = glm::clamp(vec3(base) * albedo_scale_, vec3(0), vec3(1));
   if (m.unlit) {
-    s.emission = vec3(base);
+    s.emission = vec3(base) * emissive_scale_;
     s.albedo = vec3(0);
     return s;
   }

@@ -48,7 +48,7 @@ struct Surface {
 
 class World {
  public:
-  World(const scene::Scene& scene, bool lambert, Blending blending = Blending::Over);
+  World(const scene::Scene& scene, const Settings& settings);
 
   const scene::Scene& scene() const { return scene_; }
   const std::vector<WorldInstance>& instances() const { return instances_; }
@@ -80,6 +80,7 @@ class World {
 
   const scene::Scene& scene_;
   bool lambert_;
+  float albedo_scale_, emissive_scale_;
   std::vector<WorldInstance> instances_;
 };
 

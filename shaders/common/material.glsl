@@ -65,7 +65,7 @@ float dielectric_f0(Material m) {
 MaterialPoint material_point(Material m, vec3 base_color) {
   MaterialPoint p;
   bool lambert = frame.lambert != 0u;
-  p.base_color = base_color;
+  p.base_color = min(base_color * frame.albedo_scale, vec3(1.0));
   p.normal = normalize(normal_in);
   if (!gl_FrontFacing) p.normal = -p.normal;
   if (m.layers[2] >= 0 && !lambert && dot(tangent_in.xyz, tangent_in.xyz) > 0.0) {
@@ -95,7 +95,7 @@ MaterialPoint material_point(Material m, vec3 base_color) {
     p.metallic = p.f0 = 0.0;
     p.roughness = p.occlusion = 1.0;
   }
-  p.emission = min(p.emission, 65504.0);
+  p.emission = min(p.emission * frame.emissive_scale, 65504.0);
   return p;
 }
 

@@ -100,7 +100,7 @@ void run(int argc, char** argv) {
   if (argc > 3) std::sscanf(argv[3], "%ux%u", &settings.size.x, &settings.size.y);
   settings.lambert = true;
   settings.threads = 1;
-  const reference::World world(scene, true);
+  const reference::World world(scene, {.lambert = true});
   const reference::Rays rays(world);
   const reference::Lights lights(world);
   const reference::Integrator integrator{world, rays, lights, settings, {}};
