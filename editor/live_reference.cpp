@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <sys/resource.h>
+#include <utility>
 
 #include "core/error.h"
 #include "core/log.h"

@@ -54,7 +54,8 @@ class LiveReference {
   uint64_t start(scene::Scene scene, LiveSettings settings);
   // The same scene and settings from another camera: the ray structure stays. 0, and nothing happens, before start().
   uint64_t look(const scene::Camera& camera, glm::uvec2 size);
-  // Rests within about 50 ms, and forgets the scene. No picture comes after this.
+  // Rests within about 50 ms (later where others keep the cores busy), and forgets the scene. No picture comes after
+  // this.
   void stop();
 
   // The newest picture, where there is one that was not yet given out.

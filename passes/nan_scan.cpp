@@ -1,6 +1,7 @@
 // One dispatch an image into a table of counts; additions and minima of integers, so that their order does not matter.
 #include "nan_scan.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace nf::passes {

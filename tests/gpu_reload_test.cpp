@@ -84,6 +84,7 @@ TEST_F(Reload, AnIncludeReachesWhoReadsIt) {
   EXPECT_LT(some, all);
   EXPECT_EQ(frame(), before);
 
+  gpu::ShaderWatch watch(shaders_, std::chrono::milliseconds(0));
   const std::string good = text_of("common/brdf.glsl");
   write("common/brdf.glsl", "float twice(float x) { return x * 2.0 }\n" + good);
   const gpu::Reload broken = reload({"common/brdf.glsl"});
@@ -93,7 +94,9 @@ TEST_F(Reload, AnIncludeReachesWhoReadsIt) {
   EXPECT_EQ(broken.errors[0].line, 1u);
   EXPECT_EQ(frame(), before);
   write("common/brdf.glsl", good);
-  const gpu::Reload mended = reload({"common/brdf.glsl"});
+  const Names changed = watch.changed();
+  EXPECT_EQ(changed, Names{"common/brdf.glsl"}) << "written twice, told once";
+  const gpu::Reload mended = reload(changed);
   EXPECT_EQ(mended.recompiled, some);
   EXPECT_TRUE(mended.errors.empty());
   EXPECT_EQ(frame(), before);

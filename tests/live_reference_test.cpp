@@ -171,7 +171,7 @@ TEST(LiveReference, StopsAtOnce) {
 TEST(LiveReference, ErrorsLeaveItsNoiseOut) {
   const scene::Scene scene = room();
   LiveReference live;
-  const LiveReference::Picture good = all_of(live, live.start(scene, small_settings(8192))).back();
+  const LiveReference::Picture good = all_of(live, live.start(scene, small_settings(2048))).back();
   LiveSettings quick = small_settings(16);
   quick.tracer.seed = 7;
   const LiveReference::Picture noisy = all_of(live, live.start(scene, quick)).back();

@@ -27,7 +27,7 @@ struct Environment {
   std::vector<glm::vec3> texels;
   float intensity = 1;  // what is multiplied into `texels`, for who writes the map's name down again
   float rotation = 0;   // radians: turns the map about +Y, right-handed
-  std::string file;    // the map's, for messages
+  std::string file;     // the map's, for messages
 };
 
 // Radiance from `direction` (world, unit): the map bilinear between texel centres, wrapped in u, clamped in v.
