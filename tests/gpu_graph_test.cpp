@@ -127,6 +127,50 @@ TEST_F(GraphOnDevice, HistoriesCountFramesAndStartAnewWhenInvalidated) {
   EXPECT_FALSE(frame().second);
 }
 
+// Layers that are written in some frames and read in all, by two plans in turn.
+TEST_F(GraphOnDevice, KeptLayersStayAsTheyWereDrawn) {
+  constexpr graph::ImageDesc two{{20, 12}, VK_FORMAT_R32G32B32A32_SFLOAT, 1, 2};
+  uint64_t mark = 0;
+  const auto frame = [&](int drawn, float amount) {
+    graph::Graph graph(executor_->histories());
+    const graph::Tex kept = graph.keep("kept", two), a = graph.image("a", desc), out = graph.image("out", desc);
+    mark = graph.mark(kept, 1);
+    if (drawn >= 0) {
+      graph.compute("fill", pipelines_->compute("fill.comp")).out("target", a).over(a);
+      graph.compute("draw", pipelines_->compute("add.comp"))
+          .in("source", a)
+          .out("target", layer(kept, uint8_t(drawn)))
+          .params(AddBlock{.amount = amount})
+          .over(a);
+      graph.mark(kept, uint32_t(drawn)) = uint64_t(amount);
+    }
+    graph.fullscreen("see", pipelines_->fullscreen("sampled.frag")).in("source", layer(kept, 1)).out("color", out);
+    graph.readback("out", out);
+    return run(graph)[2];
+  };
+  EXPECT_EQ(frame(0, 1), 0) << "a layer that nobody has drawn reads as zeros";
+  EXPECT_EQ(mark, 0u);
+  EXPECT_EQ(frame(1, 20), 2 * 27);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(frame(-1, 0), 2 * 27);
+  EXPECT_EQ(mark, 20u);
+  EXPECT_EQ(frame(0, 3), 2 * 27) << "the other layer";
+  EXPECT_EQ(frame(1, 4), 2 * 11);
+  EXPECT_EQ(mark, 20u) << "of the frame before";
+  EXPECT_EQ(frame(-1, 0), 2 * 11);
+  EXPECT_EQ(mark, 4u);
+  // A frame without it.
+  graph::Graph other(executor_->histories());
+  const graph::Tex a = other.image("a", desc);
+  other.compute("fill", pipelines_->compute("fill.comp")).out("target", a).over(a);
+  other.readback("a", a);
+  run(other);
+  EXPECT_EQ(frame(-1, 0), 0);
+  EXPECT_EQ(mark, 0u);
+  EXPECT_EQ(frame(1, 5), 2 * 12);
+  executor_->invalidate_histories();
+  EXPECT_EQ(frame(-1, 0), 0);
+}
+
 TEST_F(GraphOnDevice, AWrongGraphIsRefusedWithAllItsFaults) {
   graph::Graph graph;
   const graph::Tex a = graph.image("a", desc), b = graph.image("b", {{20, 12}, VK_FORMAT_R32_SFLOAT});

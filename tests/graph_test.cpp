@@ -150,6 +150,57 @@ TEST_F(GraphTest, HistoryIsValidWhenTheLastFrameWroteTheSame) {
   EXPECT_FALSE(g.history("unknown", desc).valid);
 }
 
+// What is kept may be read without a writer in the frame, and drawn on without a clear: its content is there, and must
+// be there for the next frame.
+TEST_F(GraphTest, AKeptImageIsLoadedAndStored) {
+  const Tex map = graph.keep("map", {{64, 32}, d32}), out = image("out");
+  graph.raster("draw", shaders.make({})).depth(map);
+  add_show("show", map, out);
+  add_readback(out);
+  Plan p = plan();
+  EXPECT_EQ(p.uses[0].load, VK_ATTACHMENT_LOAD_OP_LOAD);
+  EXPECT_EQ(p.uses[0].store, VK_ATTACHMENT_STORE_OP_STORE);
+  EXPECT_EQ(p.resources[map.id].heap, -1);
+  EXPECT_EQ(p.cells[p.resources[map.id].first_cell].before, shader_read) << "as the frame before has left it";
+
+  graph = Graph();
+  const Tex resting = graph.keep("map", {{64, 32}, d32}), seen = image("seen");
+  add_show("show", resting, seen);
+  add_readback(seen);
+  p = plan();
+  for (const Barrier& b : p.barriers)
+    EXPECT_NE(b.resource, resting.id) << "read frame after frame: nothing to wait for";
+}
+
+// One layer is read, both are written: a later frame may read the other.
+TEST_F(GraphTest, AKeptImageKeepsAllItsWritersAlive) {
+  const Tex map = graph.keep("map", {{64, 32}, r32, 1, 2}), out = image("out");
+  graph.compute("first", source).out("value", layer(map, 0)).over(map);
+  graph.compute("second", source).out("value", layer(map, 1)).over(map);
+  graph.compute("use", filter).in("from", layer(map, 0)).out("value", out).over(out);
+  const Tex unread = graph.keep("unread", desc);
+  add_source("nobody", graph.optional(unread));
+  add_readback(out);
+  EXPECT_EQ(plan().culled, (std::vector<bool>{false, false, false, true, false}));
+}
+
+TEST_F(GraphTest, AKeptImageBringsItsMarks) {
+  const HistoryState states[] = {{"map", {{64, 32}, d32, 1, 2}, 0, {7, 8}}};
+  Graph g(states);
+  const Tex map = g.keep("map", {{64, 32}, d32, 1, 2});
+  EXPECT_EQ(g.mark(map, 0), 7u);
+  EXPECT_EQ(g.mark(map, 1), 8u);
+  const uint64_t hash = topology_hash(g);
+  g.mark(map, 1) = 9;
+  EXPECT_EQ(topology_hash(g), hash);
+  Graph other(states);
+  EXPECT_EQ(other.mark(other.keep("map", {{32, 32}, d32, 1, 2}), 0), 0u) << "another size";
+  EXPECT_EQ(other.mark(other.keep("mop", {{64, 32}, d32, 1, 2}), 0), 0u) << "another name";
+  Graph forgetful(states);
+  forgetful.forget_histories();
+  EXPECT_EQ(forgetful.mark(forgetful.keep("map", {{64, 32}, d32, 1, 2}), 0), 0u);
+}
+
 TEST_F(GraphTest, LifetimesArePositionsOfLivePasses) {
   const Tex dead = image("dead"), a = image("a"), b = image("b"), c = image("c");
   add_source("dead", dead);

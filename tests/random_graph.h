@@ -9,7 +9,8 @@
 
 namespace nf::graph {
 
-// 5 to 60 resources: images of log-uniform sizes with mips and layers, depth images, buffers, histories of both;
+// 5 to 60 resources: images of log-uniform sizes with mips and layers, depth images, buffers, histories of both, kept
+// images;
 // compute, full-screen and raster passes, copies, indirect dispatches, read-backs.
 class RandomGraph {
  public:
@@ -47,7 +48,9 @@ class RandomGraph {
 
   void add_resource() {
     const int kind = pick(0, 9);
-    if (kind < 6) {
+    if (pick(0, 19) == 0) {
+      track(graph.keep(name("kept"), any_desc(pick(0, 2) == 0)).id);
+    } else if (kind < 6) {
       const ImageDesc desc = any_desc(pick(0, 5) == 0);
       track(graph.image(name("image"), desc).id);
     } else if (kind < 8) {
@@ -71,7 +74,7 @@ class RandomGraph {
   }
   uint64_t any_bytes() { return 16 * uint64_t(std::exp(double(random_() % 10000) / 10000 * std::log(4096.0))); }
   void track(uint16_t r) {
-    const bool there = row(r).lifetime == Lifetime::HistoryPrev;
+    const bool there = row(r).lifetime == Lifetime::HistoryPrev || row(r).lifetime == Lifetime::Kept;
     written_.emplace_back(cell_count(row(r)), there);
   }
 

@@ -5,7 +5,8 @@
 // of the later one, and makes the earlier group's writes visible to *all* passes of the later one; so no read group is
 // synchronised twice. The list of groups is closed to a ring over the frame's end: the first group of frame N+1 follows
 // the last of frame N. For a history the ring goes through both of its rows: what is `next` in one frame is `prev` in
-// the following one. For a transient the first group follows the last groups of whoever had its bytes before.
+// the following one; for a kept image it is the image's own. For a transient the first group follows the last groups of
+// whoever had its bytes before.
 //
 // Every barrier is needed for its own bytes. That the barrier of another resource may happen to give the same order is
 // not made use of: the validation layer would not see it, and a plan whose barriers can be read one by one is worth
@@ -43,7 +44,8 @@ class Compiler {
     plan.cells.resize(total);
     for (size_t r = 0; r < first.size(); ++r) {
       plan.resources[r].first_cell = first[r];
-      if (graph.resources[r].lifetime == Lifetime::HistoryPrev)
+      const Lifetime lifetime = graph.resources[r].lifetime;
+      if (lifetime == Lifetime::HistoryPrev || lifetime == Lifetime::Kept)
         for (uint32_t c = 0; c < cell_count(graph.resources[r]); ++c) cells_[first[r] + c].written = true;
     }
   }
@@ -53,7 +55,7 @@ class Compiler {
     plan_stores();
     for (uint32_t position = 0; position < plan_.passes.size(); ++position) add_pass(position);
     for (uint16_t r = 0; r < graph_.resources.size(); ++r)
-      if (graph_.resources[r].lifetime == Lifetime::HistoryPrev) join_history(r);
+      if (rings_on(r)) join_frames(r);
     std::vector<PlacedBarrier> placed;
     for (uint16_t r = 0; r < graph_.resources.size(); ++r)
       if (plan_.resources[r].live && graph_.resources[r].lifetime != Lifetime::Imported) add_barriers(r, placed);
@@ -70,7 +72,8 @@ class Compiler {
   void plan_stores() {
     std::vector<bool> wanted(cells_.size(), false);
     for (size_t r = 0; r < graph_.resources.size(); ++r)
-      if (graph_.resources[r].lifetime == Lifetime::HistoryNext)
+      if (const Lifetime lifetime = graph_.resources[r].lifetime;
+          lifetime == Lifetime::HistoryNext || lifetime == Lifetime::Kept)
         for (uint32_t c = 0; c < cell_count(graph_.resources[r]); ++c) wanted[plan_.resources[r].first_cell + c] = true;
     for (size_t p = plan_.passes.size(); p-- > 0;) {
       const PassRow& pass = graph_.passes[plan_.passes[p].pass];
@@ -137,18 +140,25 @@ class Compiler {
 
   Cell& cell_of(uint16_t resource, uint32_t index) { return cells_[plan_.resources[resource].first_cell + index]; }
 
+  // Whether a frame finds the content that the frame before has left, in `left_by`.
+  bool rings_on(uint16_t resource) const {
+    const Lifetime lifetime = graph_.resources[resource].lifetime;
+    return lifetime == Lifetime::HistoryPrev || lifetime == Lifetime::Kept;
+  }
+  uint16_t left_by(uint16_t resource) const {
+    return graph_.resources[resource].lifetime == Lifetime::Kept ? resource : graph_.resources[resource].pair;
+  }
   // Reads of next at a frame's end and of prev at the beginning of the following one are one group in two halves.
   bool joined(uint16_t prev, uint32_t index) {
-    const uint16_t next = graph_.resources[prev].pair;
-    const Cell &before = cell_of(next, index), &after = cell_of(prev, index);
+    const Cell &before = cell_of(left_by(prev), index), &after = cell_of(prev, index);
     if (before.last == none || after.first == none) return false;
     const Group &last = groups_[before.last], &front = groups_[after.first];
     return !last.writes && !front.writes && last.layout == front.layout;
   }
-  void join_history(uint16_t prev) {
+  void join_frames(uint16_t prev) {
     for (uint32_t c = 0; c < cell_count(graph_.resources[prev]); ++c) {
       if (!joined(prev, c)) continue;
-      Group &last = groups_[cell_of(graph_.resources[prev].pair, c).last], &front = groups_[cell_of(prev, c).first];
+      Group &last = groups_[cell_of(left_by(prev), c).last], &front = groups_[cell_of(prev, c).first];
       front.stages = last.stages |= front.stages;
       front.reads = last.reads |= front.reads;
     }
@@ -158,6 +168,7 @@ class Compiler {
   Group group_before(uint16_t resource, uint32_t index) {
     const ResourceRow& row = graph_.resources[resource];
     const Cell& own = cell_of(resource, index);
+    if (row.lifetime == Lifetime::Kept) return groups_[own.last];
     if (row.lifetime != Lifetime::Transient) {
       const Cell& other = cell_of(row.pair, index);
       return groups_[other.last != none ? other.last : own.last];
@@ -176,7 +187,7 @@ class Compiler {
 
   void add_barriers(uint16_t resource, std::vector<PlacedBarrier>& out) {
     const ResourceRow& row = graph_.resources[resource];
-    const bool prev = row.lifetime == Lifetime::HistoryPrev;
+    const bool prev = rings_on(resource);
     for (uint32_t index = 0; index < cell_count(row); ++index) {
       const Cell& cell = cell_of(resource, index);
       if (cell.first == none) continue;

@@ -135,6 +135,7 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
                          {"offset", p.heap >= 0 ? json(p.offset) : json(nullptr)},
                          {"transient", row.lifetime == Lifetime::Transient},
                          {"imported", row.lifetime == Lifetime::Imported},
+                         {"kept", row.lifetime == Lifetime::Kept},
                          {"dedicated", p.dedicated},
                          {"alias_of", alias_of}});
     if (row.lifetime == Lifetime::HistoryNext) histories.push_back({{"name", row.name}, {"live", p.live}});
@@ -174,6 +175,7 @@ std::string to_text(const Graph& graph, const Plan& plan) {
     const ResourceRow& row = graph.resources[r];
     const PlannedResource& p = plan.resources[r];
     const char* kind = row.lifetime == Lifetime::Imported    ? " (imported)"
+                       : row.lifetime == Lifetime::Kept      ? " (kept)"
                        : row.lifetime != Lifetime::Transient ? " (history)"
                        : p.dedicated                         ? " (memory of its own: the device asks for it)"
                                                              : "";

@@ -75,11 +75,13 @@ void Executor::settle(const Graph& graph, VkCommandBuffer commands) {
   if (switched_) emit(commands, all_stages, any_write, all_stages, any_access);
   for (uint16_t r = 0; r < graph.resources.size(); ++r) {
     const ResourceRow& row = graph.resources[r];
-    if (row.lifetime != Lifetime::HistoryPrev || !real.plan.resources[r].live) continue;
+    const bool kept = row.lifetime == Lifetime::Kept;
+    if ((row.lifetime != Lifetime::HistoryPrev && !kept) || !real.plan.resources[r].live) continue;
     PhysicalHistory& history = *real.histories[r];
     const bool clear = !row.valid || history.written + 1 != runs_;
     if (clear || switched_)
-      settle_history(history, 1 - parity_, clear, &real.plan.cells[real.plan.resources[r].first_cell], commands);
+      settle_history(history, kept ? 0 : 1 - parity_, clear, &real.plan.cells[real.plan.resources[r].first_cell],
+                     commands);
   }
 }
 
@@ -233,7 +235,7 @@ void Executor::push_descriptors(const Graph& graph, const PassRow& pass, const g
     device_.push_descriptor_set(commands, bound.point, bound.layout, 0, uint32_t(writes.size()), writes.data());
 }
 
-void Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkCommandBuffer commands) {
+VkExtent2D Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkCommandBuffer commands) {
   const Plan& plan = plans_[current_].plan;
   const auto& names = pass.pipeline.interface->color_outputs;
   std::vector<VkRenderingAttachmentInfo> colors(names.size(), {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO});
@@ -269,6 +271,7 @@ void Executor::begin_rendering(const Graph& graph, const PassRow& pass, VkComman
   vkCmdSetViewport(commands, 0, 1, &viewport);
   const VkRect2D scissor{{0, 0}, extent};
   vkCmdSetScissor(commands, 0, 1, &scissor);
+  return extent;
 }
 
 void Executor::record_copy(const Graph& graph, const PassRow& pass, VkCommandBuffer commands) {
@@ -333,10 +336,10 @@ void Executor::record_pass(const Graph& graph, uint32_t position, gpu::Frame& fr
     const gpu::Pipelines::Bound bound = bind_pipeline(graph, pass);
     const bool counted = execute.counts && device_.facts.pipeline_statistics;
     if (counted) gpu::begin_counts(frame, counted_work(pass.kind), position);
-    if (pass.kind != PassKind::Compute) begin_rendering(graph, pass, commands);
+    const VkExtent2D extent = pass.kind == PassKind::Compute ? VkExtent2D{} : begin_rendering(graph, pass, commands);
     vkCmdBindPipeline(commands, bound.point, bound.pipeline);
     push_descriptors(graph, pass, bound, commands, uniforms);
-    const Recorder recorder{commands, bound.layout, this};
+    const Recorder recorder{commands, bound.layout, this, extent};
     if (pass.kind == PassKind::Compute) {
       dispatch(graph, pass, commands, execute);
     } else {
@@ -392,6 +395,11 @@ void Recorder::set_cull(VkCullModeFlags mode, VkFrontFace front) const {
 }
 void Recorder::draw_indexed_indirect(VkBuffer buffer, VkDeviceSize offset, uint32_t count) const {
   vkCmdDrawIndexedIndirect(commands, buffer, offset, count, sizeof(VkDrawIndexedIndirectCommand));
+}
+void Recorder::clear_depth(float value) const {
+  const VkClearAttachment what{.aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT, .clearValue = {.depthStencil = {value, 0}}};
+  const VkClearRect all{{{0, 0}, extent}, 0, 1};
+  vkCmdClearAttachments(commands, 1, &what, 1, &all);
 }
 
 }  // namespace nf::graph

@@ -62,16 +62,23 @@ void Executor::run(const Graph& graph, const ExecuteOptions& execute) {
   history_states_.clear();
   for (uint16_t r = 0; r < graph.resources.size(); ++r) {
     const ResourceRow& row = graph.resources[r];
-    if (row.lifetime != Lifetime::HistoryNext || !real.histories[r]) continue;
+    const bool kept = row.lifetime == Lifetime::Kept;
+    if ((row.lifetime != Lifetime::HistoryNext && !kept) || !real.histories[r]) continue;
     PhysicalHistory& history = *real.histories[r];
-    for (const auto& [resource, side] : {std::pair(r, parity_), std::pair(row.pair, 1 - parity_)})
+    const auto leave_in_layouts = [&](uint16_t resource, uint32_t side) {
       for (uint32_t c = 0; c < cell_count(row); ++c)
         if (const PlannedCell& cell = plan.cells[plan.resources[resource].first_cell + c];
             cell.after != VK_IMAGE_LAYOUT_UNDEFINED)
           history.layouts[side][c] = cell.after;
+    };
+    leave_in_layouts(r, kept ? 0 : parity_);
+    if (!kept) leave_in_layouts(row.pair, 1 - parity_);
     if (!plan.resources[r].live) continue;
     history.written = runs_;
     history_states_.push_back({history.name, history.desc, history.bytes});
+    if (kept)
+      history_states_.back().marks.assign(graph.marks.begin() + row.first_mark,
+                                          graph.marks.begin() + row.first_mark + row.desc.layers);
   }
 }
 

@@ -113,9 +113,9 @@ class Executor {
     std::string name;
     ImageDesc desc;
     uint64_t bytes;
-    Physical sides[2];
+    Physical sides[2];                      // a kept image has one
     std::vector<VkImageLayout> layouts[2];  // by cell
-    uint64_t written = 0;                   // number of the last run that wrote next
+    uint64_t written = 0;                   // number of the last run that wrote next, or had the kept image
   };
   struct ReadbackRow {
     ImageDesc desc;
@@ -173,7 +173,7 @@ class Executor {
   void record_readback(const Graph& graph, uint32_t pass, VkCommandBuffer commands);
   void push_descriptors(const Graph& graph, const PassRow& pass, const gpu::Pipelines::Bound& bound,
                         VkCommandBuffer commands, std::span<const gpu::UniformRange> uniforms);
-  void begin_rendering(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
+  VkExtent2D begin_rendering(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
   gpu::Pipelines::Bound bind_pipeline(const Graph& graph, const PassRow& pass);
 
   gpu::Device& device_;

@@ -77,6 +77,27 @@ uint16_t Graph::row_of(ResourceHandle<Tag> handle, bool is_buffer) const {
   return ours ? handle.id : no_resource;
 }
 
+Tex Graph::keep(const char* name, const ImageDesc& desc, Location at) {
+  const Tex tex = image(name, desc, at);
+  ResourceRow& row = resources[tex.id];
+  row.lifetime = Lifetime::Kept;
+  row.first_mark = uint32_t(marks.size());
+  marks.resize(marks.size() + desc.layers, 0);
+  for (const HistoryState& state : histories_) {
+    if (state.desc != desc || state.marks.size() != desc.layers || state.name != name) continue;
+    row.valid = true;
+    std::copy(state.marks.begin(), state.marks.end(), marks.begin() + row.first_mark);
+  }
+  return tex;
+}
+
+uint64_t& Graph::mark(Tex kept, uint32_t layer) {
+  const uint16_t row = row_of(kept, false);
+  NF_CHECK(row != no_resource && resources[row].lifetime == Lifetime::Kept && layer < resources[row].desc.layers,
+           "layer {} of an image that is not kept or has fewer", layer);
+  return marks[resources[row].first_mark + layer];
+}
+
 Tex Graph::optional(Tex tex) {
   if (const uint16_t row = row_of(tex, false); row != no_resource) resources[row].optional = true;
   return tex;

@@ -94,11 +94,13 @@ struct BufferHistory {
   bool valid = false;
 };
 
-// What the executor remembers between frames: which histories were written by the last frame.
+// What the executor remembers between frames: which histories were written by the last frame, and what kept images
+// hold.
 struct HistoryState {
   std::string name;
-  ImageDesc desc;  // images
-  uint64_t bytes;  // buffers; 0 for images
+  ImageDesc desc;                    // images
+  uint64_t bytes;                    // buffers; 0 for images
+  std::vector<uint64_t> marks = {};  // of a kept image, by layer
 };
 
 struct Clear {
@@ -107,7 +109,8 @@ struct Clear {
 };
 
 // Imported: a buffer (scene tables) or an image (environment maps) that lives outside the frame and is only read in it.
-enum class Lifetime : uint8_t { Transient, HistoryPrev, HistoryNext, Imported };
+// Kept: one image whose content goes from frame to frame, and of which a frame writes what it likes.
+enum class Lifetime : uint8_t { Transient, HistoryPrev, HistoryNext, Imported, Kept };
 
 inline constexpr uint16_t no_resource = 0xffff;
 
@@ -116,12 +119,13 @@ struct ResourceRow {
   bool is_buffer = false;
   Lifetime lifetime = Lifetime::Transient;
   bool optional = false;  // may stay unread
-  bool valid = false;     // HistoryPrev: the last frame wrote it
+  bool valid = false;     // HistoryPrev: the last frame wrote it; Kept: the last frame had it
   ImageDesc desc;         // images
   uint64_t bytes = 0;     // buffers
   const gpu::Buffer* imported = nullptr;
   const gpu::Image* imported_image = nullptr;
   uint16_t pair = no_resource;  // HistoryPrev <-> HistoryNext
+  uint32_t first_mark = 0;      // Kept: row of Graph::marks, one a layer
   Location at;
 };
 // Mips x layers of an image, 1 of a buffer: what has a state of its own. Cell = layer * mips + mip.
@@ -151,6 +155,7 @@ struct Recorder {
   VkCommandBuffer commands;
   VkPipelineLayout layout;
   Executor* executor;
+  VkExtent2D extent;  // of the attachments
   // A buffer of the graph that the pass has declared: indices, indirect arguments.
   VkBuffer buffer(Buf buffer) const;
   void bind_vertex_streams(std::span<const VkBuffer> buffers) const;
@@ -158,6 +163,8 @@ struct Recorder {
   void bind_set1(VkDescriptorSet set) const;
   void set_cull(VkCullModeFlags mode, VkFrontFace front) const;
   void draw_indexed_indirect(VkBuffer buffer, VkDeviceSize offset, uint32_t count) const;
+  // All of the depth attachment: for a pass that only some frames draw anew.
+  void clear_depth(float value) const;
 };
 
 // A trivially copyable callable of at most 64 bytes, so that a graph can be copied, hashed and replayed.
@@ -243,6 +250,12 @@ class Graph {
   Buf buffer(const char* name, uint64_t bytes, Location at = Location::current());
   History history(const char* name, const ImageDesc& desc, Location at = Location::current());
   BufferHistory buffer_history(const char* name, uint64_t bytes, Location at = Location::current());
+  // Keeps its content to the next frame that has an image of this name and description, if no frame without it comes in
+  // between. Zeros at first.
+  Tex keep(const char* name, const ImageDesc& desc, Location at = Location::current());
+  // What a layer of a kept image holds, in the words of who draws it: what the last frame that ran has left here; 0
+  // when the image is new. It is part of the value that a frame is, not of its topology.
+  uint64_t& mark(Tex kept, uint32_t layer);
   Buf import(const char* name, const gpu::Buffer& buffer, Location at = Location::current());
   // In SHADER_READ_ONLY_OPTIMAL, with its whole view (gpu/upload). Sampled only, and as a whole.
   Tex import(const char* name, const gpu::Image& image, Location at = Location::current());
@@ -287,6 +300,7 @@ class Graph {
   std::vector<UseRow> uses;
   std::vector<ParamRow> params, shared;
   std::vector<std::byte> param_bytes;
+  std::vector<uint64_t> marks;
   uint32_t readbacks = 0;
 
   std::span<const UseRow> uses_of(const PassRow& pass) const {

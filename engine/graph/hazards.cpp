@@ -196,7 +196,7 @@ class Replay {
   // A history's two images change places every frame.
   std::vector<CellState>& states(uint16_t resource) {
     const ResourceRow& row = graph_.resources[resource];
-    if (row.lifetime == Lifetime::Transient || frame_ % 2 == 0) return states_[resource];
+    if (row.pair == no_resource || frame_ % 2 == 0) return states_[resource];
     return states_[row.pair];
   }
 
@@ -215,10 +215,11 @@ class Replay {
     }
     for (size_t r = 0; r < states_.size(); ++r) {
       const ResourceRow& row = graph_.resources[r];
-      if (row.lifetime != Lifetime::HistoryPrev) continue;
+      if (row.lifetime != Lifetime::HistoryPrev && row.lifetime != Lifetime::Kept) continue;
+      const std::vector<VkImageLayout>& left = last[row.pair == no_resource ? r : row.pair];
       for (size_t c = 0; c < states_[r].size(); ++c) {
         states_[r][c].content = settled;
-        states_[r][c].layout = last[row.pair][c] != VK_IMAGE_LAYOUT_UNDEFINED ? last[row.pair][c] : last[r][c];
+        states_[r][c].layout = left[c] != VK_IMAGE_LAYOUT_UNDEFINED ? left[c] : last[r][c];
       }
     }
   }
@@ -328,6 +329,10 @@ class Replay {
     for_cells(use.resource, use.part, [&](uint32_t c) {
       int expected = expected_[row_of_use][i++];
       if (row.lifetime == Lifetime::HistoryPrev) expected = frame_ > 0 ? last_writer_[row.pair][c] : settled;
+      if (row.lifetime == Lifetime::Kept && expected == nobody) {
+        const int before = frame_ > 0 ? last_writer_[use.resource][c] : nobody;
+        expected = before == nobody ? settled : before;
+      }
       if (row.lifetime == Lifetime::Transient && !states(use.resource)[c].begun)
         object(use.resource, "is used without a barrier in this frame");
       check_cell(use, need, plan_.uses[row_of_use], expected, pass_row, states(use.resource)[c]);
@@ -337,7 +342,8 @@ class Replay {
   // Whoever reads a history in the next frame, by this graph or by another, gets all that this one declares.
   void check_handed_on() {
     for (uint16_t r = 0; r < states_.size(); ++r)
-      if (graph_.resources[r].lifetime == Lifetime::HistoryNext && plan_.resources[r].live)
+      if (const Lifetime lifetime = graph_.resources[r].lifetime;
+          (lifetime == Lifetime::HistoryNext || lifetime == Lifetime::Kept) && plan_.resources[r].live)
         for (size_t c = 0; c < last_writer_[r].size(); ++c)
           if (last_writer_[r][c] != nobody && states(r)[c].content != last_writer_[r][c])
             object(r, "is not kept for the next frame");

@@ -31,10 +31,10 @@ void find_live_passes(const Graph& graph, Plan& plan) {
       for (const UseRow& use : graph.uses_of(pass)) {
         const ResourceRow& row = graph.resources[use.resource];
         // What this frame reads of prev, any pass of the frame before has written to next, also one behind this one.
-        // And what is written to next in part is written whole: another graph may read it.
-        const uint16_t next = row.lifetime == Lifetime::HistoryPrev   ? row.pair
-                              : row.lifetime == Lifetime::HistoryNext ? use.resource
-                                                                      : no_resource;
+        // And what is written to next in part is written whole: another graph may read it. So is what is kept.
+        const uint16_t next = row.lifetime == Lifetime::HistoryPrev                                     ? row.pair
+                              : row.lifetime == Lifetime::HistoryNext || row.lifetime == Lifetime::Kept ? use.resource
+                                                                                                        : no_resource;
         if (next != no_resource && !next_needed[next]) next_needed[next] = changed = true;
         if (depends_on_content(use)) needed[use.resource] = true;
       }

@@ -100,6 +100,7 @@ void Executor::realize(const Graph& graph, RealPlan& real) {
     const PlannedResource& planned = plan.resources[r];
     if (row.lifetime == Lifetime::HistoryPrev && (planned.live || plan.resources[row.pair].live))
       real.histories[r] = real.histories[row.pair] = find_history(row);
+    if (row.lifetime == Lifetime::Kept && planned.live) real.histories[r] = find_history(row);
     if (row.lifetime != Lifetime::Transient || !planned.live) continue;
     Physical& physical = real.resources[r];
     const gpu::Heap* heap = planned.heap < 0 ? nullptr : &heaps_[real.heaps[size_t(planned.heap)]].heap;
@@ -161,7 +162,7 @@ Executor::PhysicalHistory* Executor::find_history(const ResourceRow& row) {
   history->bytes = row.bytes;
   PhysicalHistory* made = history.get();
   histories_.push_back(std::move(history));  // owned, should the device refuse the second side
-  for (Physical& side : made->sides) {
+  for (Physical& side : std::span(made->sides, row.lifetime == Lifetime::Kept ? 1 : 2)) {
     // Every usage there is: another plan may use it otherwise, and its content must live on.
     constexpr VkBufferUsageFlags any_use = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                                            VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
@@ -223,8 +224,10 @@ void Executor::collect(uint64_t finished) {
 
 Executor::Physical& Executor::physical(const Graph& graph, uint16_t resource) {
   RealPlan& real = plans_[current_];
-  if (PhysicalHistory* history = real.histories[resource])
-    return history->sides[graph.resources[resource].lifetime == Lifetime::HistoryNext ? parity_ : 1 - parity_];
+  if (PhysicalHistory* history = real.histories[resource]) {
+    const Lifetime lifetime = graph.resources[resource].lifetime;
+    return history->sides[lifetime == Lifetime::Kept ? 0 : lifetime == Lifetime::HistoryNext ? parity_ : 1 - parity_];
+  }
   return real.resources[resource];
 }
 

@@ -28,8 +28,8 @@ class Validator {
 
   std::vector<Diagnostic> run() {
     for (const ResourceRow& row : graph_.resources)
-      written_.emplace_back(cell_count(row),
-                            row.lifetime == Lifetime::HistoryPrev || row.lifetime == Lifetime::Imported);
+      written_.emplace_back(cell_count(row), row.lifetime == Lifetime::HistoryPrev ||
+                                                 row.lifetime == Lifetime::Imported || row.lifetime == Lifetime::Kept);
     for (const PassRow& pass : graph_.passes) {
       pass_ = &pass;
       if (!check_handles() || !check_parts()) continue;
@@ -355,13 +355,15 @@ class Validator {
   void check_history_names() {
     std::map<std::string_view, const ResourceRow*> known;
     for (const ResourceRow& row : graph_.resources) {
-      if (row.lifetime != Lifetime::HistoryPrev) continue;
+      if (row.lifetime != Lifetime::HistoryPrev && row.lifetime != Lifetime::Kept) continue;
       const auto [first, fresh] = known.emplace(row.name, &row);
       if (!fresh)
-        found_.push_back({Diagnostic::Kind::UsedTwice,
-                          fmt::format("two histories are named '{}' (declared at {} and at {}): what one frame leaves "
-                                      "to the next is known by its name",
-                                      row.name, where(first->second->at), where(row.at))});
+        found_.push_back(
+            {Diagnostic::Kind::UsedTwice,
+             fmt::format(
+                 "two histories or kept images are named '{}' (declared at {} and at {}): what one frame leaves "
+                 "to the next is known by its name",
+                 row.name, where(first->second->at), where(row.at))});
     }
   }
 
