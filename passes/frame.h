@@ -77,7 +77,7 @@ class Renderer {
   std::unique_ptr<SceneTables> tables_;
   std::unique_ptr<Lights> lights_;
   DrawList camera_draws_;
-  std::vector<DrawList> shadow_draws_;  // one a map
+  std::vector<DrawList> shadow_draws_;  // two a map
   DeformPass deform_;
   GBufferPass gbuffer_;
   ShadowPass shadow_;

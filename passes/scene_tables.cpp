@@ -270,6 +270,7 @@ InstanceRow instance_row(const scene::Scene& scene, const DeformTables& deform, 
 }  // namespace
 
 void SceneTables::upload_instances() {
+  changed_at_.assign(scene_.instances.size(), 0);
   instances_.create<InstanceRow>(
       device_, scene_.instances.size(), [&](uint32_t i) { return instance_row(scene_, deform_, i); },
       "scene.instances");
@@ -278,15 +279,22 @@ void SceneTables::upload_instances() {
 }
 
 void SceneTables::update(const scene::Changes& changes) {
+  ++updates_;
+  for (const scene::RowRange& range : changes.instances)
+    std::fill_n(changed_at_.begin() + range.first, range.count, updates_);
   deform_.update(changes);
   instances_.update<InstanceRow>(changes.instances, [&](uint32_t i) { return instance_row(scene_, deform_, i); });
 }
 
 void SceneTables::build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye, Blending blending) const {
-  const scene::Instances& instances = scene_.instances;
   std::vector<uint32_t> visible;
-  scene::cull(frustum, instances.center, instances.extent, visible);
+  scene::cull(frustum, scene_.instances.center, scene_.instances.extent, visible);
+  build_draws(list, visible, eye, blending);
+}
 
+void SceneTables::build_draws(DrawList& list, std::span<const uint32_t> visible, glm::vec3 eye,
+                              Blending blending) const {
+  const scene::Instances& instances = scene_.instances;
   struct Keyed {
     uint64_t key;
     uint32_t instance;

@@ -55,12 +55,20 @@ class SceneTables {
   SceneTables& operator=(const SceneTables&) = delete;
 
   // Culls against the frustum, sorts (batch, then front to back from `eye`; blended surfaces back to front) and writes
-  // the indirect commands of this frame.
+  // the indirect commands of this frame. Or takes instances that were culled before.
   void build_draws(DrawList& list, const scene::Frustum& frustum, glm::vec3 eye, Blending blending) const;
+  void build_draws(DrawList& list, std::span<const uint32_t> instances, glm::vec3 eye, Blending blending) const;
   void destroy_list(DrawList& list) const;
 
   // Copies what an update of the scene has changed; at most once a frame.
   void update(const scene::Changes& changes);
+  // Number of the last update that changed an instance's place or shape; 0: none has.
+  uint32_t changed_at(uint32_t instance) const { return changed_at_[instance]; }
+  // Whether it has kept both for long enough to be expected to go on so.
+  bool rests(uint32_t instance) const {
+    return changed_at_[instance] == 0 || updates_ - changed_at_[instance] >= updates_to_rest;
+  }
+  const scene::Scene& scene() const { return scene_; }
 
   // Records the batches of one class. Without materials only positions are bound (depth of opaque surfaces).
   void draw(const DrawList& list, DrawClass draw_class, bool with_materials, const graph::Recorder& recorder,
@@ -79,6 +87,7 @@ class SceneTables {
   static std::span<const gpu::VertexStream> streams();
 
  private:
+  static constexpr uint32_t updates_to_rest = 16;
   struct ArraySlot {
     uint32_t array, layer;
   };
@@ -95,6 +104,8 @@ class SceneTables {
   gpu::Buffer indices_, materials_, reflectance_;
   DeformTables deform_;
   HostTable instances_;
+  std::vector<uint32_t> changed_at_;  // by instance
+  uint32_t updates_ = 0;
   std::vector<gpu::Image> arrays_;        // row 0: one white texel, for materials without a texture
   std::vector<ArraySlot> picture_slots_;  // by scene picture
   std::vector<std::pair<scene::Sampler, VkSampler>> samplers_;

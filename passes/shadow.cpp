@@ -1,4 +1,4 @@
-// Fitting, choice and drawing of the shadow maps.
+// Fitting and choice of the shadow maps.
 #include "shadow.h"
 
 #include <algorithm>
@@ -236,85 +236,6 @@ ShadowPlan plan_shadows(const scene::Camera& camera, glm::uvec2 size, const scen
     plan.mapped |= draw_class_of(material, Blending::CutOut) == DrawClass::Mapped;
   }
   return plan;
-}
-
-ShadowPass create_shadow(gpu::Pipelines& pipelines, const SceneTables& scene) {
-  const auto streams = SceneTables::streams();
-  gpu::RasterState opaque{.streams = {streams[0]}, .depth_test = true, .depth_write = true};
-  gpu::RasterState masked{.streams = {streams.begin(), streams.end()},
-                          .depth_test = true,
-                          .depth_write = true,
-                          .set1 = scene.material_set_layout()};
-  return {pipelines.raster("shadow.vert", "", {}, opaque),
-          pipelines.raster("shadow.vert", "shadow.frag", {{"MASKED", "1"}}, masked),
-          pipelines.raster("shadow.vert", "shadow.frag", {{"MASKED", "1"}, {"MAPPED", "1"}}, masked)};
-}
-
-namespace {
-
-struct MapNames {
-  const char *opaque, *masked, *mapped;
-};
-// What every map of a frame draws.
-struct MapDraws {
-  const SceneTables& scene;
-  const ShadowPlan& plan;
-  Sides sides;
-  graph::Buf deformed;
-};
-
-void add_map(graph::Graph& graph, const ShadowPass& pass, const MapNames& names, graph::TexPart map,
-             const glm::mat4& clip_from_world, vec3 eye, const MapDraws& what, DrawList& draws) {
-  what.scene.build_draws(draws, scene::frustum_from_clip(clip_from_world), eye, Blending::CutOut);
-  const ShadowViewBlock view{clip_from_world, what.plan.blending == Blending::Over};
-  const graph::Buf instances = graph.import("scene.instances", what.scene.instances());
-  const DrawList* list = &draws;
-  const SceneTables* tables = &what.scene;
-  const Sides sides = what.sides;
-  graph.raster(names.opaque, pass.opaque, "Depth of opaque surfaces from the light")
-      .in("instances", instances)
-      .in("deformed", what.deformed)
-      .depth(map, 0.0f)
-      .params(view)
-      .draw([=](const graph::Recorder& r) { tables->draw(*list, DrawClass::Opaque, false, r, sides); });
-  const auto add_behind = [&](const char* name, gpu::Pipeline pipeline, DrawClass draw_class) {
-    graph.raster(name, pipeline, "Depth of cut-out surfaces from the light")
-        .in("instances", instances)
-        .in("materials", graph.import("scene.materials", what.scene.materials()))
-        .in("deformed", what.deformed)
-        .depth(map)
-        .params(view)
-        .draw([=](const graph::Recorder& r) { tables->draw(*list, draw_class, true, r, sides); });
-  };
-  if (what.plan.masked) add_behind(names.masked, pass.masked, DrawClass::Masked);
-  if (what.plan.mapped) add_behind(names.mapped, pass.mapped, DrawClass::Mapped);
-}
-
-}  // namespace
-
-ShadowMaps add_shadows(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const ShadowPlan& plan,
-                       const SceneTables& scene, std::vector<DrawList>& draws, graph::Buf deformed) {
-  ShadowMaps maps;
-  const MapDraws what{scene, plan, params.two_sided ? Sides::Both : Sides::AsMaterial, deformed};
-  const uint32_t cascades = plan.sun.cascade_count;
-  draws.resize(std::max(draws.size(), cascades + plan.tiles.size()));
-  const uint32_t side = uint32_t(params.resolution), tile_side = uint32_t(params.tile_resolution);
-  if (cascades) maps.sun = graph.image("shadow.sun", {{side, side}, VK_FORMAT_D32_SFLOAT, 1, uint8_t(cascades)});
-  for (uint32_t i = 0; i < cascades; ++i) {
-    const vec3 c = cascade_of(plan.sun, i);
-    const vec3 eye = plan.sun.right * c.x + plan.sun.down * c.y +
-                     plan.sun.direction * ((1 - plan.sun.depth_offset) / plan.sun.depth_scale);
-    add_map(graph, pass, {"shadow.sun_opaque", "shadow.sun_masked", "shadow.sun_mapped"}, layer(maps.sun, uint8_t(i)),
-            clip_from_cascade(plan.sun, i), eye, what, draws[i]);
-  }
-  if (!plan.tiles.empty())
-    maps.tiles =
-        graph.image("shadow.tiles", {{tile_side, tile_side}, VK_FORMAT_D32_SFLOAT, 1, uint8_t(plan.tiles.size())});
-  for (size_t i = 0; i < plan.tiles.size(); ++i)
-    add_map(graph, pass, {"shadow.tile_opaque", "shadow.tile_masked", "shadow.tile_mapped"},
-            layer(maps.tiles, uint8_t(i)), clip_from_tile(plan.tiles[i]), plan.tiles[i].position, what,
-            draws[cascades + i]);
-  return maps;
 }
 
 }  // namespace nf::passes

@@ -12,24 +12,26 @@
 
 namespace nf::passes {
 
-#define NF_SHADOW_PARAMS(P)                                                                                      \
-  P(Bool, enabled, 1, 0, 1, "", "Shadows of the sun (the first directional light) and of spot and point lights") \
-  P(Bool, two_sided, 1, 0, 1, "",                                                                                \
-    "Surfaces cast shadows from behind, too; off is faster, and the same where all solids are closed")           \
-  P(Int, cascades, 3, 1, 4, "", "Maps of the sun, each over a larger part of the view")                          \
-  P(Int, resolution, 2048, 16, 8192, "px", "Side of each of the sun's maps")                                     \
-  P(Float, distance, 0.0f, 0.0f, 100000.0f, "m", "How far from the camera the sun casts shadows; 0: everywhere") \
-  P(Float, split, 0.6f, 0.0f, 1.0f, "", "Depths where one cascade follows another: 0 even, 1 logarithmic")       \
-  P(Float, blend, 0.1f, 0.0f, 0.5f, "", "Share of a cascade's border in which it fades into the next")           \
-  P(Int, tiles, 12, 0, 128, "", "Most maps for spot lights (one each) and point lights (six each)")              \
-  P(Int, tile_resolution, 512, 16, 4096, "px", "Side of each of these")                                          \
-  P(Int, samples, 6, 1, 64, "", "Comparisons a pixel and light, each over 2x2 texels")                           \
-  P(Int, search_samples, 6, 1, 64, "",                                                                           \
-    "Depths that are looked at to find how far away the blocker of a soft shadow is")                            \
-  P(Float, least_filter, 0.7f, 0.0f, 8.0f, "texels", "Least radius of the filter")                               \
-  P(Float, most_filter, 24.0f, 1.0f, 128.0f, "texels", "Greatest radius of the filter, of soft shadows")         \
-  P(Float, normal_bias, 0.35f, 0.0f, 16.0f, "",                                                                  \
-    "How far a receiver is moved along its normal, in texel diagonals times the sine of the light's angle")      \
+#define NF_SHADOW_PARAMS(P)                                                                                          \
+  P(Bool, enabled, 1, 0, 1, "", "Shadows of the sun (the first directional light) and of spot and point lights")     \
+  P(Bool, two_sided, 1, 0, 1, "",                                                                                    \
+    "Surfaces cast shadows from behind, too; off is faster, and the same where all solids are closed")               \
+  P(Bool, cache, 1, 0, 1, "",                                                                                        \
+    "Maps are kept and drawn anew only where what rests in them changes; off: in every frame, for the same picture") \
+  P(Int, cascades, 3, 1, 4, "", "Maps of the sun, each over a larger part of the view")                              \
+  P(Int, resolution, 2048, 16, 8192, "px", "Side of each of the sun's maps")                                         \
+  P(Float, distance, 0.0f, 0.0f, 100000.0f, "m", "How far from the camera the sun casts shadows; 0: everywhere")     \
+  P(Float, split, 0.6f, 0.0f, 1.0f, "", "Depths where one cascade follows another: 0 even, 1 logarithmic")           \
+  P(Float, blend, 0.1f, 0.0f, 0.5f, "", "Share of a cascade's border in which it fades into the next")               \
+  P(Int, tiles, 12, 0, 128, "", "Most maps for spot lights (one each) and point lights (six each)")                  \
+  P(Int, tile_resolution, 512, 16, 4096, "px", "Side of each of these")                                              \
+  P(Int, samples, 6, 1, 64, "", "Comparisons a pixel and light, each over 2x2 texels")                               \
+  P(Int, search_samples, 6, 1, 64, "",                                                                               \
+    "Depths that are looked at to find how far away the blocker of a soft shadow is")                                \
+  P(Float, least_filter, 0.7f, 0.0f, 8.0f, "texels", "Least radius of the filter")                                   \
+  P(Float, most_filter, 24.0f, 1.0f, 128.0f, "texels", "Greatest radius of the filter, of soft shadows")             \
+  P(Float, normal_bias, 0.35f, 0.0f, 16.0f, "",                                                                      \
+    "How far a receiver is moved along its normal, in texel diagonals times the sine of the light's angle")          \
   P(Float, bias, 0.1f, 0.0f, 16.0f, "texels", "How far a receiver is moved towards the light")
 NF_DECLARE_PARAMS(ShadowParams, "shadow", NF_SHADOW_PARAMS)
 
@@ -92,7 +94,7 @@ ShadowPass create_shadow(gpu::Pipelines& pipelines, const SceneTables& scene);
 struct ShadowMaps {
   graph::Tex sun, tiles;
 };
-// `draws` gets one list a map, the cascades' first; it must live, unchanged, until the graph has run.
+// `draws` gets two lists a map, the cascades' first; it must live, unchanged, until the graph has run.
 ShadowMaps add_shadows(graph::Graph& graph, const ShadowPass& pass, const ShadowParams& params, const ShadowPlan& plan,
                        const SceneTables& scene, std::vector<DrawList>& draws, graph::Buf deformed);
 

@@ -110,6 +110,21 @@ TEST_F(Reload, AnIncludeReachesWhoReadsIt) {
   EXPECT_EQ(frame(), before);
 }
 
+// Kept shadow maps were drawn by the old program.
+TEST_F(Reload, KeptMapsAreDrawnAnew) {
+  const std::vector<std::byte> before = frame();
+  EXPECT_EQ(frame(), before);
+  const std::string good = text_of("shadow.vert");
+  const std::string place = "gl_Position = shadow_view.clip_from_world * vec4(world, 1.0);";
+  edit("shadow.vert", place, place + " gl_Position.x += gl_Position.w;");
+  EXPECT_GT(reload({"shadow.vert"}).recompiled, 0u);
+  EXPECT_NE(frame(), before);
+  write("shadow.vert", good);
+  reload({"shadow.vert"});
+  EXPECT_EQ(frame(), before);
+  EXPECT_EQ(frame(), before);
+}
+
 // The interface changes in place. A slot that goes is no fault; one that nobody feeds is, and the frame says so instead
 // of running a plan that does not know of it.
 TEST_F(Reload, PlansFollowTheInterface) {

@@ -59,11 +59,14 @@ void PassTimes::add(const graph::FrameResult& frame) {
     if (!merged.count(name)) here.push_back(name);
     merged[name] += pass.ms;
   }
-  for (const std::string& name : here) {
-    if (!ms.count(name)) order.push_back(name);
-    ms[name].push_back(merged[name]);
-  }
-  if (!frame.passes.empty()) frame_ms.push_back(frame.frame_ms);
+  for (const std::string& name : here)
+    if (!ms.count(name)) {
+      order.push_back(name);
+      ms[name].assign(frame_ms.size(), 0.0);
+    }
+  if (frame.passes.empty()) return;
+  for (const std::string& name : order) ms[name].push_back(merged.count(name) ? merged[name] : 0.0);
+  frame_ms.push_back(frame.frame_ms);
 }
 
 std::vector<std::pair<std::string, capture::Statistics>> PassTimes::rows() const {

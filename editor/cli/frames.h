@@ -33,7 +33,7 @@ std::vector<const passes::Aov*> layers_given(passes::Renderer& renderer, const p
                                              const passes::FrameSettings& settings,
                                              std::span<const passes::Aov* const> layers);
 
-// Times of passes by name, in the order of the frame.
+// Times of passes by name, in the order of the frame; 0 in a frame that did without the pass.
 struct PassTimes {
   std::vector<std::string> order;
   std::map<std::string, std::vector<double>> ms;

@@ -70,6 +70,7 @@ void Pipelines::replace(Row& row) {
   Row made = build(row.files, row.defines, row.state, &row.program.interface);
   ShaderInterface &old = row.program.interface, &interface = made.program.interface;
   interface.generation = old.generation;
+  interface.revision = old.revision;
   const bool same_interface = interface == old;
   if (!same_interface) ++interface.generation;
   const bool same_words =
@@ -80,6 +81,7 @@ void Pipelines::replace(Row& row) {
     row.program.dependencies = std::move(made.program.dependencies);
     return;
   }
+  ++interface.revision;
   // What the frame uses is made now: a driver that refuses it does so here, and the time is the reload's. With other
   // outputs the attachments will be others too.
   if (interface.color_outputs == old.color_outputs) try {

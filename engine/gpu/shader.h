@@ -40,6 +40,7 @@ struct ShaderInterface {
   uint32_t local_size[3] = {1, 1, 1};
   uint32_t vertex_inputs = 0;  // locations 0 to this - 1
   uint32_t generation = 0;     // another one after a reload that changed the interface in place
+  uint32_t revision = 0;       // another one after every reload of the program: what it drew before may be out of date
   bool operator==(const ShaderInterface&) const = default;
   const Slot* find(std::string_view name) const;
 };

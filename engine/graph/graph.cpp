@@ -55,7 +55,7 @@ void Graph::pair_histories(uint16_t prev, uint16_t next) {
   before.pair = next;
   after.pair = prev;
   for (const HistoryState& state : histories_)
-    before.valid |= state.desc == before.desc && state.bytes == before.bytes && state.name == before.name;
+    before.valid |= !forgets_ && state.desc == before.desc && state.bytes == before.bytes && state.name == before.name;
 }
 
 History Graph::history(const char* name, const ImageDesc& desc, Location at) {

@@ -286,8 +286,9 @@ class Graph {
   }
   void share_raw(const ParamTable& table, const void* data, Location at);
 
-  // Histories declared from here on are not valid: another technique's past means nothing.
-  void forget_histories() { histories_ = {}; }
+  // Histories declared from here on are not valid: another technique's past means nothing. What is kept stays: its
+  // marks tell what it holds.
+  void forget_histories() { forgets_ = true; }
 
   Tex tex(uint16_t row) const { return {row, serial_}; }
   Buf buf(uint16_t row) const { return {row, serial_}; }
@@ -316,6 +317,7 @@ class Graph {
   template <class Tag>
   uint16_t row_of(ResourceHandle<Tag> handle, bool is_buffer) const;
   std::span<const HistoryState> histories_;
+  bool forgets_ = false;
   uint16_t serial_;
 };
 

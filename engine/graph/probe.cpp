@@ -42,7 +42,8 @@ std::string probe_fault(const Graph& graph, const Probe& probe) {
   Plan plan;
   find_live_passes(graph, plan);
   if (plan.culled[probe.pass]) return fmt::format("'{}' is culled: nothing in the frame needs it", pass.name);
-  if (row.lifetime == Lifetime::HistoryPrev) return {};  // what the last frame left, or zeros
+  // What the last frame left, or zeros.
+  if (row.lifetime == Lifetime::HistoryPrev || row.lifetime == Lifetime::Kept) return {};
   const char* culled = nullptr;
   if (written_before(graph, plan, probe, probe.pass + !probe.before, culled)) return {};
   if (culled)

@@ -9,7 +9,7 @@
 namespace nf::graph {
 namespace {
 
-constexpr size_t most_plans = 4;  // toggles of an editor flip between a few graphs
+constexpr size_t most_plans = 8;  // toggles of an editor flip between a few graphs, and so does what moves and rests
 
 gpu::ImageInfo image_info(const ImageDesc& desc, VkImageUsageFlags usage) {
   return {.extent = {desc.size.width, desc.size.height},
