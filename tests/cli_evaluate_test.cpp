@@ -1,4 +1,6 @@
 // `nearfield evaluate` as a process: a table, what is absent, and a run that is killed and resumed.
+#include <cmath>
+
 #include "cli_process.h"
 #include "image/image.h"
 
@@ -163,6 +165,56 @@ TEST_F(CliEvaluateTest, Failures) {
   fails(2, {scene()}, "twice");
   fails(3, {"/no/such.glb"}, "/no/such.glb");
   EXPECT_EQ(run({"evaluate", scene(), "-o", "/proc/no"}).code, 7);
+}
+
+// What happens over time: the numbers are there and plausible, what is absent is said, and a reconstruction that does
+// not look for changed light has the longer ghosts.
+TEST_F(CliEvaluateTest, OverTime) {
+  const auto measure = [&](const std::string& name, const Words& more) {
+    Words all = {"evaluate", scene(), "--temporal", "--size", "48x27", "--frames", "64", "-o", out(name), "--quiet"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome o = run(all);
+    EXPECT_EQ(o.code, 0) << o.err;
+    return json::parse(bytes_of(folder / name / "temporal.json"), nullptr, false);
+  };
+  const json document = measure("time", {"--techniques", "vbgi,none", "--markdown", out("time.md")});
+  EXPECT_EQ(document["schema"], "nearfield.temporal/1");
+  EXPECT_EQ(document["complete"], true);
+  ASSERT_EQ(document["rows"].size(), 2u);
+  const json &vbgi = document["rows"][0], &none = document["rows"][1];
+  EXPECT_TRUE(none.contains("absent"));
+  EXPECT_EQ(vbgi["signal"], "gi");
+  for (const char* noise : {"own_noise", "stbn"}) {
+    const json& means = vbgi["convergence"][noise];
+    EXPECT_LT(means["slope"].get<double>(), -0.35) << noise;
+    EXPECT_GT(means["slope"].get<double>(), -1.2) << noise;
+    EXPECT_EQ(means["rmse"].back()["frames"], 128);
+    EXPECT_LT(means["rmse"].back()["rmse"], means["rmse"][0]["rmse"]);
+  }
+  EXPECT_NE(vbgi["convergence"]["own_noise"], vbgi["convergence"]["stbn"]);
+  const json& raw = vbgi["settling"]["raw"]["errors"];
+  EXPECT_EQ(raw.back()["median"], 0.0) << "the whole mean is the mean";
+  EXPECT_GT(raw[0]["median"].get<double>(), 0.05);
+  EXPECT_EQ(vbgi["jump"]["occluder"], "short");
+  EXPECT_GT(vbgi["jump"]["uncovered_pixels"].get<int>(), 20);
+  EXPECT_GT(vbgi["pan"]["signal"].get<double>(), 0);
+  EXPECT_GT(vbgi["pan"]["picture"].get<double>(), 0);
+  const std::string markdown = bytes_of(folder / "time.md");
+  EXPECT_EQ(markdown, bytes_of(folder / "time/temporal.md"));
+  EXPECT_NE(markdown.find("| vbgi | gi |"), std::string::npos);
+
+  // A mean whose newest frame weighs 1 / N keeps half for ln 2 / -ln(1 - 1 / N) frames.
+  for (const double n : {3.0, 8.0}) {
+    const std::string frames = fmt::format("temporal.frames={}", n);
+    const json plain = measure(fmt::format("plain{}", n), {"--techniques", "vbao", "--set", "temporal.antilag=0",
+                                                           "--set", frames, "--set", "denoise.method=off"})["rows"][0];
+    EXPECT_EQ(plain["signal"], "visibility");
+    EXPECT_GT(plain["jump"]["ghost_pixels"].get<int>(), 20);
+    EXPECT_NEAR(plain["jump"]["half_life"].get<double>(), std::log(0.5) / std::log(1 - 1 / n), 0.1 * n) << n;
+  }
+  const json nobody = measure("nobody", {"--techniques", "vbgi", "--occluder", "nobody"})["rows"][0];
+  EXPECT_TRUE(nobody["jump"].contains("absent"));
+  EXPECT_EQ(nobody["pan"], vbgi["pan"]) << "the occluder is back, and the same command gives the same numbers";
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <memory>
 
+#include "cli/evaluate_temporal.h"
 #include "cli/progress.h"
 #include "core/log.h"
 #include "image/file.h"
@@ -65,6 +66,7 @@ class EvaluateJob {
       fail(Exit::Usage, "evaluate takes lists: --techniques vbgi,gtao:paper and --presets FILE,FILE");
     parse_size(o_.size);
     const std::vector<Place> places = parse_places(o_);
+    if (o_.temporal) return run_temporal(places);
     // Errors of diffuse light are what is measured; --set material.lambert=false asks for the scene's own materials.
     o_.sets.insert(o_.sets.begin(), "material.lambert=true");
     const std::vector<Contender> contenders = parse_contenders(o_);
@@ -118,6 +120,41 @@ class EvaluateJob {
   }
 
  private:
+  int run_temporal(const std::vector<Place>& places) {
+    const std::vector<Contender> contenders = parse_contenders(o_);
+    const TemporalLengths lengths = temporal_lengths(o_);
+    make_folder(folder_);
+    gpu::Device device(device_options(o_));
+    std::vector<json> rows;
+    bool complete = true;
+    {
+      Progress progress("evaluate", places.size() * contenders.size(), o_);
+      for (const Place& place : places) {
+        if (!complete) break;
+        TemporalStage stage(device, o_, lengths, place);
+        for (const Contender& contender : contenders) {
+          const json row = stage.measure(contender);
+          if (!row.is_object()) {
+            complete = false;
+            break;
+          }
+          rows.push_back(row);
+          progress.update(rows.size(), fmt::format("{}, {}", place.label, contender.label));
+        }
+      }
+    }
+    const json document = temporal_json(o_, lengths, rows, device.info, complete);
+    const std::string markdown = temporal_markdown(document);
+    write_text(folder_ / "temporal.json", document.dump(1) + "\n");
+    write_text(folder_ / "temporal.md", markdown);
+    if (!o_.markdown.empty()) write_text(o_.markdown, markdown);
+    if (!o_.quiet) fmt::print("{}\n", markdown);
+    for (const char* name : {"temporal.json", "temporal.md"}) fmt::print("{}\n", (folder_ / name).string());
+    if (const size_t messages = device.take_messages().size())
+      fail(Exit::CheckFailed, "{} validation messages (above)", messages);
+    return int(complete ? Exit::Ok : Exit::Interrupted);
+  }
+
   void report(const std::vector<json>& rows, const gpu::DeviceInfo& device, bool complete) {
     const json document = evaluation_json(o_, rows, device, complete);
     const std::string markdown = evaluation_markdown(document);
@@ -161,6 +198,14 @@ Command add_evaluate(CLI::App& parent) {
   app->add_option("--frames", state->frames, "Frames in the mean that is a technique's expected value")
       ->check(CLI::Range(2u, 65536u))
       ->capture_default_str();
+  app->add_flag(
+      "--temporal", state->temporal,
+      "What techniques do over time instead: how fast the mean settles, ghosts, flicker; --frames is the length "
+      "of a technique's own mean then");
+  app->add_option("--occluder", state->occluder,
+                  "With --temporal: the node that is gone from one frame to the next; the first of these that there is")
+      ->type_name("LIST")
+      ->capture_default_str();
   app->add_option("--timed", state->timed, "Frames that are timed")
       ->check(CLI::Range(1u, 10000u))
       ->capture_default_str();
@@ -175,7 +220,8 @@ Command add_evaluate(CLI::App& parent) {
       "Materials are pure Lambert unless --set material.lambert=false; reconstruction is off.\n"
       "Examples:\n"
       "  nearfield evaluate cornell.glb sponza.glb@nave.json -o table --size 240x135\n"
-      "  nearfield evaluate cornell.glb --techniques vbgi,none --presets default,wide.json -o table --resume");
+      "  nearfield evaluate cornell.glb --techniques vbgi,none --presets default,wide.json -o table --resume\n"
+      "  nearfield evaluate atrium.glb@atrium.json --temporal --frames 4096 --size 160x90 -o time");
   return {app, [state] {
             start_log(*state);
             watch_interrupt();

@@ -1,6 +1,7 @@
 // What `nearfield evaluate` measures: cells of a table, techniques x scenes with views, and what is in a cell. Its
 // parts: evaluate.cpp (the command), evaluate_plan.cpp (what is to be done), evaluate_truth.cpp (references, kept on
-// disk), evaluate_cell.cpp (one measurement), evaluate_report.cpp (JSON, Markdown, HTML).
+// disk), evaluate_cell.cpp (one measurement), evaluate_report.cpp (JSON, Markdown, HTML); evaluate_temporal.h (what
+// happens over time).
 #pragma once
 
 #include <filesystem>
@@ -18,8 +19,9 @@ namespace nf::editor {
 struct EvaluateOptions : CommonOptions {
   std::vector<std::string> scenes;
   std::string techniques = "all", presets, folder = "evaluation", references, markdown;
+  std::string occluder = "short,card,fountain";
   uint32_t frames = 64, timed = 8, spp = 256, threads = 0;
-  bool resume = false, pictures = true;
+  bool resume = false, pictures = true, temporal = false;
 };
 
 // A scene with a view of it.
