@@ -38,7 +38,7 @@ bool layer_present() {
                      [](const auto& l) { return !std::strcmp(l.layerName, validation_layer); });
 }
 
-VkInstance create_instance(bool validation) {
+VkInstance create_instance(bool validation, const std::vector<std::string>& window_extensions = {}) {
   if (validation && !layer_present())
     fail(Exit::NoDevice, "cannot turn validation on: the layer {} is not installed; install vulkan-validationlayers",
          validation_layer);
@@ -52,13 +52,14 @@ VkInstance create_instance(bool validation) {
                         .pApplicationName = "nearfield",
                         .pEngineName = "nearfield",
                         .apiVersion = VK_API_VERSION_1_3};
-  const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
+  std::vector<const char*> extensions = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
+  for (const std::string& name : window_extensions) extensions.push_back(name.c_str());
   VkInstanceCreateInfo create{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
                               .pApplicationInfo = &app,
                               .enabledLayerCount = validation ? 1u : 0u,
                               .ppEnabledLayerNames = &validation_layer,
-                              .enabledExtensionCount = 1,
-                              .ppEnabledExtensionNames = extensions};
+                              .enabledExtensionCount = uint32_t(extensions.size()),
+                              .ppEnabledExtensionNames = extensions.data()};
   VkInstance instance = VK_NULL_HANDLE;
   const VkResult result = vkCreateInstance(&create, nullptr, &instance);
   if (result != VK_SUCCESS)
@@ -269,7 +270,7 @@ void check(VkResult result, const char* call, const char* file, int line) {
 }
 
 Device::Device(const DeviceOptions& options) : validation(options.validation) {
-  instance = create_instance(validation);
+  instance = create_instance(validation, options.window_extensions);
   const auto physicals = enumerate(instance);
   std::vector<DeviceInfo> infos;
   for (uint32_t i = 0; i < physicals.size(); ++i) infos.push_back(describe(physicals[i], i));
@@ -314,6 +315,7 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
   std::vector<const char*> extensions = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
   const bool calibrated = has_calibrated_clock(instance, physical);
   if (calibrated) extensions.push_back(VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME);
+  if (!options.window_extensions.empty()) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   VkDeviceCreateInfo create{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                             .pNext = &features.base,
                             .queueCreateInfoCount = 1,

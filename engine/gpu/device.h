@@ -14,6 +14,8 @@ namespace nf::gpu {
 struct DeviceOptions {
   std::string select;       // "" = best, an index, "cpu", "gpu", or a part of the name
   bool validation = false;  // core and synchronization validation, queue submissions included
+  // What a window system asks of the instance; when there are any, the device can make swapchains.
+  std::vector<std::string> window_extensions;
 };
 
 struct DeviceInfo {

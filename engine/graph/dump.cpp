@@ -82,7 +82,7 @@ constexpr double mib = 1048576.0;
 }  // namespace
 
 nlohmann::json to_json(const Graph& graph, const Plan& plan) {
-  json passes = json::array(), resources = json::array(), histories = json::array();
+  json passes = json::array(), resources = json::array(), histories = json::array(), heaps = json::array();
   std::vector<const PlannedPass*> planned(graph.passes.size(), nullptr);
   for (const PlannedPass& p : plan.passes) planned[p.pass] = &p;
   for (size_t i = 0; i < graph.passes.size(); ++i) {
@@ -91,6 +91,8 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
     for (const UseRow& use : graph.uses_of(pass))
       uses.push_back({{"resource", resource_name(graph, use.resource)},
                       {"use", access_of(use.use, pass.kind).name},
+                      {"reads", reads(use.use)},
+                      {"writes", writes(use.use)},
                       {"slot", use.slot ? json(use.slot) : json(nullptr)},
                       {"mip", use.part.mip},
                       {"mips", use.part.mips},
@@ -140,6 +142,7 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
                          {"alias_of", alias_of}});
     if (row.lifetime == Lifetime::HistoryNext) histories.push_back({{"name", row.name}, {"live", p.live}});
   }
+  for (const PlannedHeap& heap : plan.heaps) heaps.push_back(heap.size);
   return {{"schema", "nearfield.graph/1"},
           {"passes", passes},
           {"resources", resources},
@@ -147,7 +150,8 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
           {"memory",
            {{"placed_bytes", plan.placed_bytes},
             {"max_live_bytes", plan.max_live_bytes},
-            {"unaliased_bytes", plan.unaliased_bytes}}}};
+            {"unaliased_bytes", plan.unaliased_bytes},
+            {"heaps", heaps}}}};
 }
 
 std::string to_text(const Graph& graph, const Plan& plan) {

@@ -393,6 +393,13 @@ void Recorder::set_cull(VkCullModeFlags mode, VkFrontFace front) const {
   vkCmdSetCullMode(commands, mode);
   vkCmdSetFrontFace(commands, front);
 }
+void Recorder::set_scissor(int32_t x, int32_t y, uint32_t width, uint32_t height) const {
+  const VkRect2D scissor{{x, y}, {width, height}};
+  vkCmdSetScissor(commands, 0, 1, &scissor);
+}
+void Recorder::draw_indexed(uint32_t first_index, uint32_t count) const {
+  vkCmdDrawIndexed(commands, count, 1, first_index, 0, 0);
+}
 void Recorder::draw_indexed_indirect(VkBuffer buffer, VkDeviceSize offset, uint32_t count) const {
   vkCmdDrawIndexedIndirect(commands, buffer, offset, count, sizeof(VkDrawIndexedIndirectCommand));
 }

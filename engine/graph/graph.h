@@ -162,6 +162,9 @@ struct Recorder {
   void bind_indices(VkBuffer buffer) const;  // 32-bit
   void bind_set1(VkDescriptorSet set) const;
   void set_cull(VkCullModeFlags mode, VkFrontFace front) const;
+  // Pixels of the attachments; all of them until this is called.
+  void set_scissor(int32_t x, int32_t y, uint32_t width, uint32_t height) const;
+  void draw_indexed(uint32_t first_index, uint32_t count) const;
   void draw_indexed_indirect(VkBuffer buffer, VkDeviceSize offset, uint32_t count) const;
   // All of the depth attachment: for a pass that only some frames draw anew.
   void clear_depth(float value) const;
