@@ -8,7 +8,8 @@ build_packages=(
   glslang-dev glslang-tools spirv-tools libspirv-cross-c-shared-dev
   libcli11-dev libfmt-dev libglm-dev libspdlog-dev nlohmann-json3-dev
   libembree-dev libopenexr-dev libpng-dev libstb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev
-  libgtest-dev python3-jsonschema make librenderdoc-dev
+  libimgui-dev libglfw3-dev fonts-dejavu-core
+  libgtest-dev python3-jsonschema make librenderdoc-dev xvfb xdotool x11-utils
 )
 # Only `test.sh --all` needs these: a second compiler, and what optional tests and benchmarks use.
 check_packages=(clang clang-format libbenchmark-dev assimp-testmodels chromium slurm-wlm munge)

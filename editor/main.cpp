@@ -7,7 +7,8 @@
 namespace nf::editor {
 namespace {
 
-constexpr const char* footer = R"(Examples:
+constexpr const char* footer = R"(Without a command the editor's window opens on the bundled scene.
+Examples:
   nearfield render scene.glb -o picture.png --size 1280x720 --set gi.radius=3
   nearfield render scene.glb -o layers.exr --aov all --frames 64 --accumulate
   nearfield bench scene.glb --technique none --technique vbgi --json times.json
@@ -22,8 +23,8 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", version_line());
   app.footer(footer);
   app.require_subcommand(0, 1);
-  const Command commands[] = {add_render(app),    add_bench(app),    add_info(app),  add_graph(app), add_compare(app),
-                              add_reference(app), add_evaluate(app), add_sweep(app), add_report(app)};
+  const Command commands[] = {add_edit(app),    add_render(app),    add_bench(app),    add_info(app),  add_graph(app),
+                              add_compare(app), add_reference(app), add_evaluate(app), add_sweep(app), add_report(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -33,11 +34,8 @@ int run(int argc, char** argv) {
   }
   for (const Command& command : commands)
     if (command.app->parsed()) return command.run();
-  // The window is a later part of this project; say so instead of doing nothing.
-  log::init(log::Level::Normal);
-  fail(Exit::NoDevice,
-       "this version has no editor window yet: use a command, e.g. `nearfield render SCENE -o picture.png`, or see "
-       "`nearfield --help`");
+  // Without a command: the window, on the bundled scene.
+  return commands[0].run();
 }
 
 }  // namespace

@@ -62,7 +62,9 @@ class CliTest : public testing::Test {
   static std::string scene() { return NF_BINARY_DIR "/content/cornell.glb"; }
 
   pid_t start(const Words& words, const Words& more_environment = {}) const {
-    Words environment = {"NEARFIELD_DATA_DIR=" NF_SOURCE_DIR, "XDG_CACHE_HOME=" NF_BINARY_DIR "/cli_test_cache"};
+    Words environment = more_environment;  // first: of two with one name the first counts
+    environment.insert(environment.end(),
+                       {"NEARFIELD_DATA_DIR=" NF_SOURCE_DIR, "XDG_CACHE_HOME=" NF_BINARY_DIR "/cli_test_cache"});
     for (char** entry = environ; *entry; ++entry) {
       const std::string_view text = *entry;
       bool kept = true;
@@ -70,7 +72,6 @@ class CliTest : public testing::Test {
         kept &= !text.starts_with(dropped);
       if (kept) environment.emplace_back(text);
     }
-    environment.insert(environment.end(), more_environment.begin(), more_environment.end());
     Words arguments = {NF_BINARY_DIR "/nearfield"};
     arguments.insert(arguments.end(), words.begin(), words.end());
     std::vector<char*> argv, envp;

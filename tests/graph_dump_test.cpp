@@ -173,6 +173,8 @@ TEST_F(GraphDumpTest, JsonTellsWhatHappens) {
   ASSERT_EQ(uses.size(), 4u);
   EXPECT_EQ(uses[0], json({{"resource", "a"},
                            {"use", "sampled"},
+                           {"reads", true},
+                           {"writes", false},
                            {"slot", "from"},
                            {"mip", 0},
                            {"mips", 1},
@@ -182,6 +184,7 @@ TEST_F(GraphDumpTest, JsonTellsWhatHappens) {
   EXPECT_EQ(uses[2]["resource"], "lights");
   EXPECT_EQ(uses[2]["use"], "buffer_read");
   EXPECT_EQ(uses[3]["use"], "storage_write");
+  EXPECT_EQ(uses[3]["writes"], true);
   EXPECT_EQ(passes[4]["uses"][0]["slot"], nullptr);
   size_t barriers = 0;
   for (const json& pass : passes) barriers += pass["barriers"].size();

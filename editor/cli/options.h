@@ -56,6 +56,7 @@ gpu::Timing parse_timing(const std::string& text);
 graph::ExecutorOptions executor_options(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);
 
+Command add_edit(CLI::App& app);
 Command add_render(CLI::App& app);
 Command add_bench(CLI::App& app);
 Command add_info(CLI::App& app);

@@ -1,0 +1,184 @@
+#include "actions.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <algorithm>
+
+#include "scene/view.h"
+
+namespace nf::editor {
+namespace {
+
+void step_technique(Editor& e, int step) {
+  const auto all = passes::techniques();
+  const int now = int(e.document.settings.technique - all.data()), count = int(all.size());
+  e.document.settings.technique = &all[size_t((now + step + count) % count)];
+}
+
+void toggle(Editor& e, CompareMode mode) {
+  e.viewport.compare = e.viewport.compare == mode ? CompareMode::Off : mode;
+}
+
+void open_dialog(Editor& e, bool save) {
+  e.show_save = save;
+  e.show_open = !save;
+  e.prompt = save ? (e.preset_path.empty() ? "preset.json" : e.preset_path) : std::string();
+}
+
+void set_scale(Editor& e, float scale) {
+  e.preferences.ui_scale = std::clamp(scale, 0.75f, 3.0f);
+  e.rebuild_fonts = true;
+}
+
+const Action table[] = {
+    {"file.open", "File", "Open ...", "ctrl+o", "A scene, an environment or a preset",
+     [](Editor& e) { open_dialog(e, false); }},
+    {"file.save", "File", "Save preset ...", "ctrl+s", "Technique, changed parameters, camera, lights and seed as JSON",
+     [](Editor& e) { open_dialog(e, true); }},
+    {"file.bundled", "File", "Open the bundled scene", "", "The atrium",
+     [](Editor& e) { e.dropped.push_back(e.bundled_scene); }},
+    {"file.screenshot", "File", "Screenshot of the picture", "f9", "PNG, and the preset beside it",
+     [](Editor& e) { e.screenshot_viewport = true; }},
+    {"file.screenshot_window", "File", "Screenshot of the window", "shift+f9", "PNG with the user interface",
+     [](Editor& e) { e.screenshot_window = true; }},
+    {"file.screenshot_layers", "File", "Save all layers", "ctrl+f9",
+     "Linear EXR with every layer that the technique gives", [](Editor& e) { e.save_layers = true; }},
+    {"file.quit", "File", "Quit", "ctrl+q", "", [](Editor& e) { e.quit = true; }},
+    {"edit.undo", "Edit", "Undo", "ctrl+z", "Parameters, technique, lights, bookmarks",
+     [](Editor& e) {
+       if (!e.undo.undo(e.document)) toast(e, "nothing to undo");
+     }},
+    {"edit.redo", "Edit", "Redo", "ctrl+y", "",
+     [](Editor& e) {
+       if (!e.undo.redo(e.document)) toast(e, "nothing to redo");
+     }},
+    {"edit.redo2", "", "Redo", "ctrl+shift+z", "",
+     [](Editor& e) {
+       if (!e.undo.redo(e.document)) toast(e, "nothing to redo");
+     }},
+    {"technique.next", "Technique", "Next technique", "n", "", [](Editor& e) { step_technique(e, 1); }},
+    {"technique.previous", "Technique", "Previous technique", "shift+n", "", [](Editor& e) { step_technique(e, -1); }},
+    {"technique.mode", "Technique", "Paper or radiometric form", "m", "As printed, or with the errata mended",
+     [](Editor& e) { set_mode(e.document.settings, !is_paper_mode(e.document.settings)); }},
+    {"technique.reset", "Technique", "Reset parameters", "", "The technique's and the shared ones",
+     [](Editor& e) { reset_params(e.document.settings); }},
+    {"shaders.reload", "Technique", "Reload shaders", "f5",
+     "Compiles all shaders anew; saving one does it for what depends on it",
+     [](Editor& e) {
+       e.outbox.push_back({live::CommandKind::ReloadShaders, {}, {}, {}});
+     }},
+    {"view.help", "Help", "Help", "f1", "This list", [](Editor& e) { e.show_help = !e.show_help; }},
+    {"view.hide", "View", "Hide the interface", "f2", "Only the picture",
+     [](Editor& e) { e.preferences.hide_ui = !e.preferences.hide_ui; }},
+    {"view.fullscreen", "View", "Full screen", "f11", "", [](Editor& e) { e.fullscreen_asked = true; }},
+    {"view.bigger", "View", "Larger interface", "ctrl+=", "",
+     [](Editor& e) { set_scale(e, e.preferences.ui_scale + 0.25f); }},
+    {"view.smaller", "View", "Smaller interface", "ctrl+-", "",
+     [](Editor& e) { set_scale(e, e.preferences.ui_scale - 0.25f); }},
+    {"view.normal", "View", "Interface at its own size", "ctrl+0", "", [](Editor& e) { set_scale(e, 1); }},
+    {"view.reset_layout", "View", "Reset the layout", "ctrl+shift+l", "",
+     [](Editor& e) {
+       const Preferences d;
+       e.preferences.left = d.left;
+       e.preferences.right = d.right;
+       e.preferences.bottom = d.bottom;
+     }},
+    {"view.wipe", "View", "Wipe", "x", "The picture against A or the reference, either side of a line",
+     [](Editor& e) { toggle(e, CompareMode::Wipe); }},
+    {"view.blink", "View", "Blink", "b", "The picture and A in turns",
+     [](Editor& e) { toggle(e, CompareMode::Blink); }},
+    {"view.difference", "View", "Difference", "h", "How far the picture is from A, in false colours",
+     [](Editor& e) { toggle(e, CompareMode::Difference); }},
+    {"view.keep", "View", "Keep as A", "k", "The picture as it is, to compare with",
+     [](Editor& e) {
+       e.keep_a = true;
+       e.viewport.against = ui::PictureId::SlotA;
+     }},
+    {"view.reference", "View", "Reference", "r", "The path tracer refines this view in the background",
+     [](Editor& e) {
+       e.reference.on = !e.reference.on;
+       e.preferences.right_tab = "Reference";
+     }},
+    {"view.pick", "View", "Pixel values", "p", "The pixel under the cursor in every layer",
+     [](Editor& e) {
+       if (e.viewport.cursor.x < 0 || e.picture.size.x == 0) return;
+       e.picking.pixel = glm::min(glm::uvec2(e.viewport.cursor * glm::vec2(e.picture.size)), e.picture.size - 1u);
+       e.picking.asked = e.picking.locked = true;
+       e.preferences.right_tab = "Pixel";
+     }},
+    {"view.graph", "View", "Frame graph", "g", "Passes against resources",
+     [](Editor& e) { e.preferences.bottom_tab = "Graph"; }},
+    {"view.frame", "View", "Frame the scene", "f", "The camera sees all of it",
+     [](Editor& e) {
+       scene::Camera c = scene::frame_bounds(e.scene.bounds);
+       c.near = e.view.camera.near;
+       go_to(e, c);
+     }},
+    {"view.cancel", "", "Cancel", "escape", "Closes help, lets go of the pixel",
+     [](Editor& e) {
+       e.show_help = false;
+       e.picking.locked = false;
+     }},
+    {"clock.play", "View", "Play or pause the clock", "space", "",
+     [](Editor& e) { e.wanted.playing = !e.wanted.playing; }},
+    {"clock.step", "View", "Step the clock", ".", "", [](Editor& e) { ++e.wanted.steps; }},
+    {"renderer.freeze", "View", "Freeze the renderer", "ctrl+space", "The picture stays",
+     [](Editor& e) { e.wanted.paused = !e.wanted.paused; }},
+    {"renderer.restart", "View", "Restart the renderer", "", "With a new device; nothing else is lost",
+     [](Editor& e) {
+       e.outbox.push_back({live::CommandKind::Restart, {}, {}, {}});
+     }},
+    {"capture.timings", "Capture", "Capture timings", "ctrl+t",
+     "JSON, CSV and a trace of the frames in the timings panel", [](Editor& e) { e.capture_asked = true; }},
+    {"capture.cli", "Capture", "Copy as command", "", "The command line that renders this picture",
+     [](Editor& e) { e.copy_command = true; }},
+};
+
+}  // namespace
+
+std::span<const Action> actions() {
+  return table;
+}
+
+const Action* find_action(std::string_view id) {
+  for (const Action& action : table)
+    if (action.id == id) return &action;
+  return nullptr;
+}
+
+bool run_shortcut(Editor& editor, int key, int mods, bool typing) {
+  const bool plain = (mods & (ui::mod_ctrl | ui::mod_alt)) == 0;
+  const bool function = key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12;
+  if (typing && plain && !function) return false;
+  if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9 && !(mods & ui::mod_alt)) {
+    std::optional<scene::Camera>& bookmark = editor.document.bookmarks[size_t(key - GLFW_KEY_1)];
+    const int number = key - GLFW_KEY_1 + 1;
+    if (mods & ui::mod_ctrl) {
+      bookmark = editor.view.camera;
+      toast(editor, fmt::format("camera kept as {}", number));
+    } else if (bookmark) {
+      go_to(editor, *bookmark);
+    } else {
+      toast(editor, fmt::format("no camera {}: Ctrl+{} keeps this one", number, number));
+    }
+    return true;
+  }
+  for (const Action& action : table) {
+    if (!*action.keys) continue;
+    const ui::Chord chord = ui::parse_chord(action.keys);
+    if (chord.key != key || chord.mods != (mods & (ui::mod_ctrl | ui::mod_alt | ui::mod_shift))) continue;
+    action.run(editor);
+    return true;
+  }
+  return false;
+}
+
+std::string find_conflict() {
+  for (const Action& a : table)
+    for (const Action& b : table)
+      if (&a < &b && *a.keys && *b.keys && ui::parse_chord(a.keys) == ui::parse_chord(b.keys))
+        return fmt::format("{} and {} both have {}", a.id, b.id, a.keys);
+  return {};
+}
+
+}  // namespace nf::editor

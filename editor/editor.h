@@ -1,0 +1,173 @@
+// The editor as one value. Panels are functions that draw a part of it and change it in place (panels/panels.h); once a
+// frame what changed is sent to the renderer's thread (app.cpp).
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "capture/timing.h"
+#include "document.h"
+#include "live/published.h"
+#include "live_reference.h"
+#include "ui/input.h"
+#include "ui/renderer.h"
+
+namespace nf::editor {
+
+struct Toast {
+  std::string text;
+  double until = 0;  // seconds of the editor's clock
+  bool bad = false;
+};
+
+struct Banner {
+  std::string text;                      // what failed
+  std::vector<gpu::ReloadError> faults;  // and where, of shaders
+};
+
+// Times of the last frames, by pass.
+struct TimingHistory {
+  static constexpr size_t limit = 1000;
+  struct Row {
+    std::string name, description;
+    std::deque<float> ms;  // NaN where the frame had no such pass
+  };
+  std::vector<Row> rows;
+  std::deque<float> frame_ms, wall_ms, record_ms;
+  capture::Run run;                       // the same frames, as captures are written
+  std::map<std::string, float> baseline;  // medians, by pass; "frame" too
+  bool paused = false;
+  int window = 1;  // row of timing_windows
+  void add(const live::Published& frame);
+  void clear();
+};
+inline constexpr int timing_windows[] = {60, 300, 1000};
+
+enum class CompareMode : uint8_t { Off, Wipe, Blink, Difference };
+
+// The picture in the middle: what it shows, and how.
+struct Viewport {
+  std::string layer;
+  ui::PictureLook look;
+  bool auto_range = true;
+  CompareMode compare = CompareMode::Off;
+  ui::PictureId against = ui::PictureId::SlotA;
+  float wipe = 0.5f, difference_scale = 0.25f, blink_seconds = 0.5f;
+  float x = 0, y = 0, width = 0, height = 0;  // of the picture, window pixels
+  bool hovered = false, dragging_wipe = false;
+  glm::vec2 cursor{-1};  // 0..1 in the picture
+};
+
+struct CameraControl {
+  scene::Camera camera;
+  glm::vec3 target{0};  // orbited
+  float speed = 1;      // metres a second
+  bool moved = false;   // in this frame
+};
+
+struct TextureView {
+  live::ProbeWanted wanted;
+  bool frozen = false;
+  ui::PictureLook look;
+  bool auto_range = true;
+  live::Pixels pixels;
+  std::string error;
+};
+
+// The path tracer in the background, and how far the picture is from it.
+struct ReferenceView {
+  bool on = false;
+  int bounces = 4;
+  std::string layer;  // that is compared; "" = the final radiance
+  LiveReference::Picture picture;
+  LiveError error;
+  bool has_error = false;
+  std::string note;
+  struct Point {
+    float spp, rmse, floor;
+  };
+  std::vector<Point> curve;  // of this view
+};
+
+struct Preferences {
+  float ui_scale = 1;         // of the user, on top of the display's
+  float render_scale = 1;     // of the viewport's pixels
+  bool scale_chosen = false;  // by the user; else software devices get half
+  float moving_scale = 0.34f;
+  int settle = 64;
+  bool hints = true, hide_ui = false;
+  float left = 0.24f, right = 0.26f, bottom = 0.3f;  // shares of the window
+  std::string bottom_tab, right_tab;
+};
+
+struct Picking {
+  bool asked = false, locked = false;
+  glm::uvec2 pixel{0};
+  live::Picked values;
+};
+
+struct Editor {
+  Document document;
+  UndoStack undo;
+  CameraControl view;
+  Viewport viewport;
+  TimingHistory timings;
+  TextureView texture;
+  Picking picking;
+  ReferenceView reference;
+  Preferences preferences;
+
+  // From the renderer.
+  live::SceneInfo scene;
+  bool scene_ready = false;
+  live::GraphInfo graph;
+  std::string plan_diff;
+  std::string device;
+  nlohmann::json device_context;
+  bool software = false, device_lost = false;
+  live::Pixels picture;  // of the last frame
+  uint64_t scene_frames = 0, frames_since_change = 0, shown_revision = 0;
+  uint32_t settled = 0;
+  double scene_time = 0;
+  float scene_ms = 0, ui_ms = 0;
+
+  // To the renderer.
+  live::Wanted wanted;
+  std::vector<live::Command> outbox;
+
+  // The window's own.
+  std::vector<Toast> toasts;
+  Banner banner;
+  std::deque<std::string> log;
+  std::string search, log_search, action_search, preset_path, prompt;
+  bool changed_only = false, show_help = false, show_save = false, show_open = false, quit = false;
+  bool keep_a = false;               // keep the picture for comparison
+  std::vector<std::string> dropped;  // files to open, whatever they are
+  std::string preset_folder, bundled_scene;
+  std::string save_preset, save_texture;  // a path; an ending
+  bool save_curve = false;
+  bool texture_visible = false;  // in this frame
+  std::optional<live::ProbeWanted> texture_asked;
+  bool capture_asked = false, save_layers = false, copy_command = false, fullscreen_asked = false;
+  uint64_t picture_hash = 0;
+  void (*draw_samples)(Editor&, float x, float y, float width, float height) = nullptr;
+  bool rebuild_fonts = false, screenshot_viewport = false, screenshot_window = false;
+  double now = 0, last_change = -10, last_input = 0, green_flash = -10;
+  std::string flash_text;
+  uint64_t ui_frames = 0;
+  glm::uvec2 window{1280, 720};
+  float display_scale = 1;
+  ui::Renderer* pictures = nullptr;
+  ui::InputQueue* input = nullptr;
+
+  float scale() const { return preferences.ui_scale * display_scale; }
+};
+
+void toast(Editor& editor, std::string text, bool bad = false);
+// The camera stands as this one does.
+void go_to(Editor& editor, const scene::Camera& camera);
+
+}  // namespace nf::editor

@@ -1,0 +1,128 @@
+// What the renderer tells the window: the newest frame, and events in their order.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gpu/reload.h"
+#include "live/wanted.h"
+
+namespace nf::editor::live {
+
+struct SceneInfo {
+  uint64_t serial = 0;  // grows with each scene
+  std::string path;
+  std::vector<scene::Camera> cameras;
+  scene::Camera start;  // the one to begin with
+  scene::Bounds bounds;
+  uint64_t triangles = 0;
+  size_t instances = 0, materials = 0, textures = 0, joints = 0;
+  SceneLights lights, own_lights;  // as they are now; as the file has them
+  scene::Environment environment;  // without the map's texels
+  bool own_environment = true;     // the file's
+  std::vector<std::string> clips;
+  float duration = 0;  // seconds, of the longest clip
+};
+
+struct PassRow {
+  std::string name, description, kind;
+  float ms = 0, record_ms = 0, begin_ms = 0;
+};
+
+// The graph and its plan, as the panels show them.
+struct GraphInfo {
+  struct Pass {
+    std::string name, description;
+    std::string kind;
+    bool culled = false;
+    std::string barriers;  // a line each
+    uint32_t barrier_count = 0;
+  };
+  struct Resource {
+    std::string name, format, size;
+    uint64_t bytes = 0, offset = 0;
+    int32_t heap = -1;
+    uint32_t first = 0, last = 0;  // rows of `passes`
+    bool live = false, buffer = false, history = false, imported = false;
+    uint32_t mips = 1, layers = 1;
+    std::vector<uint16_t> alias_of;
+  };
+  struct Use {
+    uint32_t pass = 0, resource = 0;
+    bool read = false, write = false;
+    std::string slot;
+  };
+  std::vector<Pass> passes;  // in the order they run; culled ones at their declared place
+  std::vector<Resource> resources;
+  std::vector<Use> uses;
+  std::vector<uint64_t> heaps;  // bytes
+  uint64_t placed = 0, max_live = 0, unaliased = 0;
+  std::string diff;  // against the plan before
+};
+
+struct LayerValue {
+  std::string name, channels;
+  std::vector<float> values;
+};
+struct Picked {
+  uint64_t serial = 0;
+  glm::uvec2 pixel{0};
+  std::vector<LayerValue> layers;
+};
+
+struct Pixels {
+  glm::uvec2 size{0};
+  std::vector<uint8_t> rgba;  // a picture
+  std::vector<float> floats;  // or four floats a texel
+  uint32_t channels = 4;      // of the floats that mean something
+  std::string name, note;
+};
+
+// One frame. Members are moved out by whoever takes it.
+struct Published {
+  uint64_t number = 0;    // frames since the start
+  uint64_t revision = 0;  // of the Wanted it shows
+  uint32_t settled = 0;   // frames since that revision
+  bool moving = false;
+  Pixels picture;
+  std::vector<PassRow> passes;
+  float frame_ms = 0, wall_ms = 0, record_ms = 0;
+  int64_t submit_ns = 0;           // on CLOCK_MONOTONIC
+  double time = 0;                 // the scene's
+  std::optional<GraphInfo> graph;  // when it is another than the last frame's
+  std::optional<Picked> picked;
+  std::optional<Pixels> probe;
+  std::string probe_error;
+  std::optional<Pixels> compared;
+  uint64_t not_finite = 0;  // channels of the picture's radiance that are no numbers
+  uint32_t draws = 0;
+};
+
+enum class EventKind : uint8_t {
+  DeviceOpened,  // text: its name
+  SceneLoading,  // text: path
+  SceneLoaded,
+  EnvironmentLoaded,
+  SceneCopied,
+  Failed,         // text: a sentence; the last picture stays
+  ShaderBroken,   // faults
+  ShadersLoaded,  // text, ms
+  Mended,         // what had failed works again
+  Saved,          // text: path
+  DeviceLost      // text; nothing is rendered until Restart
+};
+struct Event {
+  EventKind kind;
+  std::string text;
+  nlohmann::json context;  // DeviceOpened: what timing files say about the device
+  double ms = 0;
+  std::vector<gpu::ReloadError> faults;
+  SceneInfo scene;
+  std::unique_ptr<scene::Scene> copy;  // SceneCopied: as it stands now
+  bool software = false;
+};
+
+}  // namespace nf::editor::live

@@ -1,0 +1,67 @@
+// What the window asks of the renderer: one value, of which only the newest counts, and commands, each of which is
+// carried out. Nothing here is shared: values are copied through the mailbox (worker.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frame.h"
+#include "scene/view.h"
+
+namespace nf::editor::live {
+
+struct SceneLights {
+  std::vector<scene::DirectionalLight> directional;
+  std::vector<scene::PunctualLight> punctual;
+  glm::vec3 environment{0};  // radiance of a constant environment; others stay as they are
+};
+
+// A resource of the frame as it is before or after a pass.
+struct ProbeWanted {
+  std::string pass, resource;
+  bool before = false;
+  uint8_t mip = 0, layer = 0;
+  bool operator==(const ProbeWanted&) const = default;
+};
+
+struct Wanted {
+  // Grow when something below changed: the picture anew, and the history with it (parameters, lights; not the camera).
+  uint64_t revision = 0, history = 0, lights_revision = 0;
+  uint64_t scene = 0;  // SceneInfo::serial of the scene that camera and lights are meant for
+  passes::FrameSettings settings;
+  scene::Camera camera;
+  SceneLights lights;
+  glm::uvec2 size{1};
+  uint32_t seed = 1;
+  std::string layer;         // an AOV shown in place of the picture; "" = none
+  uint32_t settle = 64;      // frames after which a still picture is done
+  bool moving = false;       // someone is moving something: the next picture matters more than this one
+  bool paused = false;       // no frame at all
+  bool playing = false;      // the scene's clock runs
+  double step = 1.0 / 60;    // seconds a frame; 0 = as the wall clock
+  uint64_t steps = 0;        // grows: one step of a stopped clock
+  uint64_t pick_serial = 0;  // grows: read every layer at `pick`
+  glm::uvec2 pick{0};        // pixel of `size`
+  std::optional<ProbeWanted> probe;
+  // A layer to be held against the reference, with each frame: its floats come along.
+  std::optional<std::string> compared;
+};
+
+enum class CommandKind : uint8_t {
+  LoadScene,
+  LoadEnvironment,
+  SaveLayers,
+  CopyScene,
+  ReloadShaders,
+  Restart,
+  LoseDevice
+};
+struct Command {
+  CommandKind kind;
+  std::string path;
+  std::string view;                // LoadScene: as --view has it
+  std::optional<scene::View> lit;  // LoadScene: lights and camera, after that
+};
+
+}  // namespace nf::editor::live

@@ -1,0 +1,124 @@
+// The log with search, the help made from the action table, and the dialogs that ask for a file.
+#include <algorithm>
+#include <imgui.h>
+
+#include "actions.h"
+#include "panels/panels.h"
+#include "ui/widgets.h"
+
+namespace nf::editor {
+
+void draw_log_panel(Editor& editor) {
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 14);
+  ui::text_input("log.search", "search", editor.log_search);
+  ImGui::SameLine();
+  if (ui::button("log.copy", "copy")) {
+    std::string text;
+    for (const std::string& line : editor.log) text += line + "\n";
+    ImGui::SetClipboardText(text.c_str());
+  }
+  ImGui::SameLine();
+  if (ui::button("log.clear", "clear")) editor.log.clear();
+  ImGui::BeginChild("lines", ImVec2(0, 0), true);
+  ui::note("log.lines", fmt::format("{}", editor.log.size()));
+  for (const std::string& line : editor.log) {
+    if (!editor.log_search.empty() && line.find(editor.log_search) == std::string::npos) continue;
+    const bool bad = line.starts_with("error"), warning = line.starts_with("warning");
+    if (bad || warning)
+      ImGui::PushStyleColor(ImGuiCol_Text, bad ? ImVec4(1, 0.5f, 0.5f, 1) : ImVec4(1, 0.85f, 0.5f, 1));
+    ImGui::TextUnformatted(line.c_str());
+    if (bad || warning) ImGui::PopStyleColor();
+  }
+  if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY()) ImGui::SetScrollHereY(1);
+  ImGui::EndChild();
+}
+
+void draw_help(Editor& editor) {
+  if (!editor.show_help) return;
+  const float line = ImGui::GetFontSize();
+  ImGui::SetNextWindowSize(
+      ImVec2(std::min(line * 36, float(editor.window.x) * 0.9f), std::min(line * 30, float(editor.window.y) * 0.85f)),
+      ImGuiCond_Appearing);
+  ImGui::SetNextWindowPos(ImVec2(float(editor.window.x) / 2, float(editor.window.y) / 2), ImGuiCond_Appearing,
+                          ImVec2(0.5f, 0.5f));
+  if (ImGui::Begin("Help", &editor.show_help, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings)) {
+    if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    ui::text_input("help.search", "search actions", editor.action_search);
+    if (ImGui::BeginTable("actions", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY)) {
+      ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, line * 8);
+      ImGui::TableSetupColumn("action", ImGuiTableColumnFlags_WidthFixed, line * 13);
+      ImGui::TableSetupColumn("what it does");
+      for (const Action& action : actions()) {
+        const std::string all = fmt::format("{} {} {}", action.name, action.help, action.keys);
+        const auto same = [](char a, char b) {
+          return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+        };
+        if (!editor.action_search.empty() && std::search(all.begin(), all.end(), editor.action_search.begin(),
+                                                         editor.action_search.end(), same) == all.end())
+          continue;
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(*action.keys ? ui::chord_name(ui::parse_chord(action.keys)).c_str() : "");
+        ImGui::TableNextColumn();
+        if (ImGui::Selectable(fmt::format("{}##{}", action.name, action.id).c_str())) action.run(editor);
+        ui::note(std::string("help.") + action.id);
+        ImGui::TableNextColumn();
+        ImGui::TextWrapped("%s", action.help);
+      }
+      for (const auto& [keys, name, help] :
+           {std::tuple{"right drag", "look", "and W A S D Q E to fly, wheel for the speed, Shift four times as fast"},
+            std::tuple{"Alt+left drag", "orbit", "about what the camera is aimed at"},
+            std::tuple{"middle drag", "pan", ""}, std::tuple{"wheel", "dolly", "towards what the camera is aimed at"},
+            std::tuple{"left click", "pick", "a pixel's values in every layer"},
+            std::tuple{"right click", "reset", "a parameter to its default"},
+            std::tuple{"drop a file", "open", ".glb .gltf scene, .hdr .exr environment, .json preset"}}) {
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(keys);
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(name);
+        ImGui::TableNextColumn();
+        ImGui::TextWrapped("%s", help);
+      }
+      ImGui::EndTable();
+    }
+  }
+  ImGui::End();
+}
+
+void draw_dialogs(Editor& editor) {
+  const bool save = editor.show_save;
+  if (!save && !editor.show_open) return;
+  ImGui::OpenPopup("file");
+  ImGui::SetNextWindowPos(ImVec2(float(editor.window.x) / 2, float(editor.window.y) * 0.3f), ImGuiCond_Always,
+                          ImVec2(0.5f, 0));
+  ImGui::SetNextWindowSize(ImVec2(std::min(ImGui::GetFontSize() * 36, float(editor.window.x) * 0.9f), 0));
+  if (!ImGui::BeginPopupModal(
+          "file", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings))
+    return;
+  ImGui::TextUnformatted(save ? "Save a preset (.json)"
+                              : "Open a scene (.glb, .gltf), an environment (.hdr, .exr) or a preset (.json)");
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  ImGui::SetNextItemWidth(-FLT_MIN);
+  ui::text_input("file.path", "path", editor.prompt);
+  const bool enter = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter)),
+             escape = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
+  bool close = escape;
+  if (ui::button("file.ok", save ? "Save" : "Open") || enter) {
+    if (save)
+      editor.save_preset = editor.prompt;
+    else
+      editor.dropped.push_back(editor.prompt);
+    close = true;
+  }
+  ImGui::SameLine();
+  close |= ui::button("file.cancel", "Cancel");
+  if (close) {
+    editor.show_save = editor.show_open = false;
+    ImGui::CloseCurrentPopup();
+  }
+  ImGui::EndPopup();
+}
+
+}  // namespace nf::editor

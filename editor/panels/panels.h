@@ -1,0 +1,26 @@
+// The panels: each draws one part of the editor into the current Dear ImGui window, and changes it in place.
+#pragma once
+
+#include "editor.h"
+
+namespace nf::editor {
+
+void draw_technique_panel(Editor& editor);
+void draw_viewport(Editor& editor);
+void draw_timings_panel(Editor& editor);
+void draw_graph_panel(Editor& editor);
+void draw_memory_panel(Editor& editor);
+void draw_log_panel(Editor& editor);
+void draw_pixel_panel(Editor& editor);
+void draw_texture_panel(Editor& editor);
+void draw_scene_panel(Editor& editor);
+void draw_reference_panel(Editor& editor);
+void draw_help(Editor& editor);
+void draw_dialogs(Editor& editor);
+
+// The controls under a picture of floats: channel, range, false colours.
+void draw_look(const std::string& id, ui::PictureLook& look, bool& auto_range, bool floats);
+// Smallest and largest number of the channels that are shown.
+void fit_range(const live::Pixels& pixels, ui::PictureLook& look);
+
+}  // namespace nf::editor

@@ -1,0 +1,129 @@
+#include "refine.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nf::editor {
+namespace {
+
+// What the tracer has that the window can show.
+const std::vector<std::string> layers = {"",           "direct", "indirect", "gi",   "ambient",
+                                         "visibility", "albedo", "normal",   "depth"};
+
+reference::Settings tracer_settings(Editor& editor) {
+  const passes::FrameSettings& s = editor.document.settings;
+  const passes::GiParams& gi = s.gi.shared;
+  reference::Settings out;
+  out.camera = editor.view.camera;
+  out.size = editor.wanted.size;
+  out.bounces = uint32_t(editor.reference.bounces);
+  out.radius = gi.radius;
+  out.radius_mode = gi.radius_mode == 0   ? reference::RadiusMode::Disc
+                    : gi.radius_mode == 1 ? reference::RadiusMode::Ball
+                                          : reference::RadiusMode::BallFalloff;
+  if (s.technique->in_ball) out.radius_mode = reference::RadiusMode::Ball;
+  out.falloff = gi.falloff;
+  out.lambert = s.material.lambert;
+  out.albedo_scale = s.material.albedo_scale;
+  out.emissive_scale = s.material.emissive_scale;
+  out.blending = s.material.blend == 0 ? reference::Blending::Over : reference::Blending::CutOut;
+  out.include_ambient = s.feedback.include_ambient;
+  return out;
+}
+
+std::string settings_text(const reference::Settings& s) {
+  return fmt::format("{} {} {} {} {} {} {} {} {}", s.bounces, s.radius, int(s.radius_mode), s.falloff, s.lambert,
+                     s.albedo_scale, s.emissive_scale, int(s.blending), s.include_ambient);
+}
+
+// As shaders/tonemap.frag.
+uint8_t tone_map(float x, const passes::TonemapParams& tonemap) {
+  x *= std::exp2(tonemap.exposure_ev);
+  if (tonemap.curve == 0) x = x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f);
+  x = std::clamp(x, 0.0f, 1.0f);
+  x = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+  return uint8_t(std::lround(x * 255));
+}
+
+}  // namespace
+
+void Refiner::take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene) {
+  asked_ = false;
+  if (!editor.reference.on || !scene) return;
+  LiveSettings settings{.tracer = tracer_settings(editor), .layers = layers};
+  settings.tracer.threads = std::max(std::thread::hardware_concurrency() / 2, 1u);
+  camera_ = settings.tracer.camera;
+  size_ = settings.tracer.size;
+  settings_ = settings_text(settings.tracer);
+  scene_ = editor.wanted.scene;
+  lights_ = editor.wanted.lights_revision;
+  editor.reference.curve.clear();
+  editor.reference.picture = {};
+  editor.reference.has_error = false;
+  tracer_.start(std::move(*scene), std::move(settings));
+  running_ = true;
+}
+
+void Refiner::update(Editor& editor) {
+  ReferenceView& r = editor.reference;
+  if (!r.on || !editor.scene_ready) {
+    if (running_) tracer_.stop();
+    running_ = false;
+    r.picture = {};
+    return;
+  }
+  const bool known = std::find(layers.begin(), layers.end(), editor.viewport.layer) != layers.end();
+  r.layer = known ? editor.viewport.layer : "";
+  r.note = tracer_.error();
+  if (!editor.wanted.moving && !asked_) {
+    const bool other = !running_ || scene_ != editor.wanted.scene || lights_ != editor.wanted.lights_revision ||
+                       settings_ != settings_text(tracer_settings(editor));
+    if (other) {
+      editor.outbox.push_back({live::CommandKind::CopyScene, {}, {}, {}});
+      asked_ = true;
+    } else if (!same(camera_, editor.view.camera) || size_ != editor.wanted.size) {
+      camera_ = editor.view.camera;
+      size_ = editor.wanted.size;
+      r.curve.clear();
+      r.picture = {};
+      r.has_error = false;
+      tracer_.look(camera_, size_);
+    }
+  }
+  if (running_ && tracer_.poll(r.picture)) show(editor);
+}
+
+void Refiner::compare(Editor& editor, live::Pixels&& pixels) {
+  compared_ = {pixels.size.x, pixels.size.y, 4, std::move(pixels.floats)};
+  compared_name_ = pixels.name;
+  if (editor.reference.picture.spp > 0) show(editor);
+}
+
+// The reference as a picture of the same kind as the scene's, and the error of the newest frame.
+void Refiner::show(Editor& editor) {
+  ReferenceView& r = editor.reference;
+  const LiveReference::Layer* layer = r.picture.layer(r.layer);
+  if (!layer) return;
+  const image::Image& mean = layer->mean;
+  const glm::uvec2 size(mean.width, mean.height);
+  const size_t count = size_t(size.x) * size.y;
+  if (r.layer.empty()) {
+    std::vector<uint8_t> bytes(count * 4, 255);
+    for (size_t i = 0; i < count; ++i)
+      for (size_t c = 0; c < 3; ++c)
+        bytes[i * 4 + c] = tone_map(mean.pixels[i * mean.channels + c], editor.document.settings.tonemap);
+    editor.pictures->set_picture(ui::PictureId::Reference, size, std::span<const uint8_t>(bytes));
+  } else {
+    std::vector<float> floats(count * 4, 0);
+    for (size_t i = 0; i < count; ++i)
+      for (uint32_t c = 0; c < std::min(mean.channels, 4u); ++c) floats[i * 4 + c] = mean.pixels[i * mean.channels + c];
+    editor.pictures->set_picture(ui::PictureId::Reference, size, std::span<const float>(floats));
+  }
+  if (compared_.width != size.x || compared_.height != size.y || compared_name_ != r.layer) return;
+  r.error = error_against(compared_, r.picture, r.layer, {}, false);
+  r.has_error = true;
+  if (r.curve.empty() || r.curve.back().spp < float(r.picture.spp))
+    r.curve.push_back({float(r.picture.spp), float(r.error.rmse), float(layer->noise)});
+}
+
+}  // namespace nf::editor

@@ -1,0 +1,79 @@
+#include "state.h"
+
+#include <fstream>
+#include <imgui.h>
+#include <imgui_internal.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "core/fingerprint.h"
+#include "ui/widgets.h"
+
+namespace nf::editor {
+
+using nlohmann::json;
+
+json make_state(Editor& e, bool idle) {
+  json widgets = json::object();
+  for (const auto& [id, w] : ui::widgets())
+    widgets[id] = {
+        {"rect", {w.x, w.y, w.width, w.height}}, {"value", w.value}, {"enabled", w.enabled}, {"visible", w.visible}};
+  json toasts = json::array();
+  for (const Toast& t : e.toasts) toasts.push_back(t.text);
+  json faults = json::array();
+  for (const gpu::ReloadError& f : e.banner.faults)
+    faults.push_back({{"file", f.file}, {"line", f.line}, {"column", f.column}, {"message", f.message}});
+  const std::vector<ParamBlock> blocks = e.document.settings.blocks();
+  const scene::Camera& camera = e.view.camera;
+  return {{"schema", "nearfield.ui/1"},
+          {"ui_frame", e.ui_frames},
+          {"window", {e.window.x, e.window.y}},
+          {"scale", e.scale()},
+          {"scene", e.scene_ready ? e.scene.path : ""},
+          {"scene_frames", e.scene_frames},
+          {"scene_frames_since_change", e.frames_since_change},
+          {"settled", e.settled},
+          {"settle", e.wanted.settle},
+          {"idle", idle},
+          {"technique", e.document.settings.technique->id},
+          {"mode", is_paper_mode(e.document.settings) ? "paper" : "radiometric"},
+          {"params", params::to_json(blocks, true)},
+          {"changed", params::to_json(blocks)},
+          {"layer", e.viewport.layer},
+          {"picture_size", {e.picture.size.x, e.picture.size.y}},
+          {"picture_hash", e.picture_hash},
+          {"camera",
+           {{"position", {camera.position.x, camera.position.y, camera.position.z}},
+            {"forward", {camera.forward.x, camera.forward.y, camera.forward.z}}}},
+          {"lights", {{"suns", e.document.lights.directional.size()}, {"lamps", e.document.lights.punctual.size()}}},
+          {"undo", e.undo.undos()},
+          {"redo", e.undo.redos()},
+          {"popup", ImGui::GetCurrentContext()->OpenPopupStack.empty() ? "" : "open"},
+          {"toasts", toasts},
+          {"banner", e.banner.text},
+          {"faults", faults},
+          {"device", e.device},
+          {"device_lost", e.device_lost},
+          {"scene_ms", e.scene_ms},
+          {"ui_ms", e.ui_ms},
+          {"playing", e.wanted.playing},
+          {"steps", e.wanted.steps},
+          {"paused", e.wanted.paused},
+          {"scene_time", e.scene_time},
+          {"widgets", widgets}};
+}
+
+void write_atomically(const std::filesystem::path& path, const std::string& text) {
+  const std::filesystem::path temporary = path.string() + fmt::format(".{}.tmp", ::getpid());
+  std::ofstream out(temporary, std::ios::binary);
+  out << text;
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(temporary, path, error);
+  if (!out || error) {
+    std::filesystem::remove(temporary, error);
+    fail(Exit::Output, "cannot write '{}': is the folder there, and may you write into it?", path.string());
+  }
+}
+
+}  // namespace nf::editor

@@ -1,0 +1,82 @@
+// Pictures in the user interface, which lie in a buffer: shown as they are, by channel and range, in false colours, or as
+// the difference of two. KIND: 1 bytes, 2 floats, 3 a difference. A software device runs every side of a branch, so that
+// what decides is known when this is compiled.
+#version 460
+#include "common/color.glsl"
+
+const uint SHOW_RGB = 0u, SHOW_FALSE_COLOR = 5u;  // 1 to 4: one channel as grey
+const uint FLAG_NEAREST = 1u, FLAG_SRGB = 2u, FLAG_MARK_OUTSIDE = 4u;
+
+struct UiDraw {
+  uint kind, first, second;  // words of `texels` where the picture begins, and the one it is compared with
+  uvec2 size;
+  uvec2 second_size;
+  uint show, flags;
+  float low, high;
+};
+layout(scalar) readonly buffer draw_table { UiDraw rows[]; } draws;
+layout(scalar) readonly buffer texel_table { uint words[]; } texels;
+
+layout(location = 0) in vec2 uv;
+layout(location = 2) flat in uint draw;
+layout(location = 0) out vec4 pictures;
+
+vec4 texel(UiDraw d, bool other, ivec2 p) {
+  uvec2 size = other ? d.second_size : d.size;
+  p = clamp(p, ivec2(0), ivec2(size) - 1);
+  uint at = uint(p.y) * size.x + uint(p.x);
+  uint first = other ? d.second : d.first;
+#if KIND == 1
+  return unpackUnorm4x8(texels.words[first + at]);
+#elif KIND == 3
+  if (d.show == SHOW_RGB) return unpackUnorm4x8(texels.words[first + at]);
+#endif
+  at = first + at * 4u;
+  return uintBitsToFloat(uvec4(texels.words[at], texels.words[at + 1u], texels.words[at + 2u], texels.words[at + 3u]));
+}
+
+vec4 lookup(UiDraw d, bool other) {
+  vec2 p = uv * vec2(other ? d.second_size : d.size) - 0.5;
+  if ((d.flags & FLAG_NEAREST) != 0u) return texel(d, other, ivec2(floor(p + 0.5)));
+  ivec2 base = ivec2(floor(p));
+  vec2 f = p - vec2(base);
+  return mix(mix(texel(d, other, base), texel(d, other, base + ivec2(1, 0)), f.x),
+             mix(texel(d, other, base + ivec2(0, 1)), texel(d, other, base + ivec2(1, 1)), f.x), f.y);
+}
+
+vec3 srgb_encode(vec3 x) {
+  x = clamp(x, 0.0, 1.0);
+  return mix(12.92 * x, 1.055 * pow(max(x, vec3(1e-8)), vec3(1.0 / 2.4)) - 0.055, greaterThan(x, vec3(0.0031308)));
+}
+
+// From black over violet, red and yellow to white: brightness grows all the way, for eyes that tell no hues apart.
+vec3 false_color(float x) {
+  x = clamp(x, 0.0, 1.0);
+  return clamp(vec3(1.9 * x, 2.2 * x * x - 0.45 * x, x < 0.35 ? 2.2 * x : 0.77 - 1.7 * (x - 0.35) + 6.0 * max(x - 0.75, 0.0)), 0.0, 1.0);
+}
+
+void main() {
+  UiDraw d = draws.rows[draw];
+#if KIND == 1
+  pictures = vec4(lookup(d, false).rgb, 1.0);
+#elif KIND == 3
+  vec3 apart = abs(lookup(d, false).rgb - lookup(d, true).rgb);
+  pictures = vec4(false_color((max(apart.r, max(apart.g, apart.b)) - d.low) / max(d.high - d.low, 1e-20)), 1.0);
+#else
+  vec4 value = lookup(d, false);
+  vec4 x = (value - d.low) / max(d.high - d.low, 1e-20);
+  if (d.show >= 1u && d.show <= 4u) x.rgb = vec3(x[d.show - 1u]);
+  if (d.show == SHOW_FALSE_COLOR) {
+    x.rgb = false_color(x.r);
+  } else if ((d.flags & FLAG_SRGB) != 0u) {
+    x.rgb = srgb_encode(x.rgb);
+  }
+  if ((d.flags & FLAG_MARK_OUTSIDE) != 0u) {
+    float v = value[d.show >= 1u && d.show <= 4u ? d.show - 1u : 0u];
+    if (v < d.low) x.rgb = vec3(0.0, 0.2, 1.0);
+    if (v > d.high) x.rgb = vec3(1.0, 0.1, 0.0);
+  }
+  bool good = is_number(value.xyz) && is_number(value.w);
+  pictures = vec4(good ? clamp(x.rgb, 0.0, 1.0) : vec3(1.0, 0.0, 1.0), 1.0);
+#endif
+}

@@ -1,0 +1,143 @@
+// The editor driven by scripts, without a window: each script's own conditions are the checks. Under validation, of
+// both devices.
+#include "capture/trace.h"
+#include "cli_process.h"
+
+namespace nf {
+namespace {
+
+class GuiTest : public CliTest {
+ protected:
+  void SetUp() override {
+    CliTest::SetUp();
+    std::filesystem::create_directories(base_ / "work");
+  }
+  static std::string script_text(const std::string& name) {
+    return bytes_of(std::string(NF_SOURCE_DIR "/tests/gui/") + name);
+  }
+  static std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+      text.replace(at, from.size(), to);
+    return text;
+  }
+  // Runs a script's text; the program's own folder for settings and captures is a new one.
+  Outcome play(const std::string& text, const Words& more = {}, const Words& environment = {}) {
+    Words words = {"edit",     scene(),      "--offscreen", "--validation", "--window",
+                   "1280x720", "--log-file", out("log"),    "--ui-script",  input("script.jsonl", text)};
+    words.insert(words.end(), more.begin(), more.end());
+    Words all = {"XDG_CONFIG_HOME=" + config()};
+    all.insert(all.end(), environment.begin(), environment.end());
+    return run(words, all);
+  }
+  std::string config() const { return (base_ / "config").string(); }
+};
+
+#define PLAYS(outcome)                       \
+  do {                                       \
+    const Outcome played = (outcome);        \
+    EXPECT_EQ(played.code, 0) << played.err; \
+  } while (false)
+
+TEST_F(GuiTest, SwapsThroughAllTechniques) {
+  PLAYS(play(script_text("swap.jsonl")));
+}
+TEST_F(GuiTest, UndoTakesBackAGesture) {
+  PLAYS(play(script_text("undo.jsonl")));
+}
+TEST_F(GuiTest, ComparesWithWhatWasKept) {
+  PLAYS(play(script_text("compare.jsonl")));
+}
+TEST_F(GuiTest, EveryPanelShowsSomething) {
+  PLAYS(play(script_text("panels.jsonl")));
+}
+TEST_F(GuiTest, SurvivesSizesScalesAndALostDevice) {
+  PLAYS(play(replaced(script_text("window.jsonl"), "FENCE", NF_BINARY_DIR "/content/fence.glb")));
+}
+
+TEST_F(GuiTest, ABrokenShaderIsShownAndThePictureGoesOn) {
+  const std::filesystem::path data = base_ / "data";
+  std::filesystem::create_directories(data);
+  std::filesystem::copy(NF_SOURCE_DIR "/shaders", data / "shaders", std::filesystem::copy_options::recursive);
+  PLAYS(play(replaced(script_text("shader.jsonl"), "SHADERS", (data / "shaders").string()), {},
+             {"NEARFIELD_DATA_DIR=" + data.string()}));
+}
+
+TEST_F(GuiTest, AFailedExpectationFails) {
+  const Outcome outcome = play("{\"wait\": \"scene_frames >= 1\"}\n{\"expect\": \"technique == gtao\"}\n");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("script.jsonl:2"), std::string::npos) << outcome.err;
+  EXPECT_EQ(play("{\"wait\": \"technique == gtao\", \"timeout\": 0.2}\n").code, 1);
+  EXPECT_EQ(play("{\"wait\": \"scene_frames\"}\n").code, 1);
+  EXPECT_EQ(play("nonsense\n").code, 3);
+}
+
+TEST_F(GuiTest, TheReferenceRefinesInTheBackground) {
+  PLAYS(play(script_text("reference.jsonl")));
+}
+
+// 20 clicks, the pointer gone at once, beside a scene that is always busy.
+TEST_F(GuiTest, NoClickIsLost) {
+  std::string text = "{\"wait\": \"scene_frames >= 1\"}\n{\"click\": \"inspector.Scene\"}\n{\"key\": \"space\"}\n";
+  for (int i = 1; i <= 20; ++i) text += "{\"click\": \"scene.step\", \"leave\": true, \"frames\": 0}\n";
+  text += "{\"wait\": \"steps == 20\", \"timeout\": 20}\n";
+  PLAYS(play(text, {"--set", "gi.slices=8"}));
+}
+
+// What the window saves, a command renders: the same picture, but for the noise of another number of frames.
+TEST_F(GuiTest, ASavedPresetRendersTheSamePicture) {
+  const std::string preset = out("mine.json"), shot = out("shot.png"), again = out("again.png");
+  const std::string text = fmt::format(
+      "{{\"wait\": \"scene_frames >= 1\"}}\n{{\"drag\": \"gi.radius\", \"by\": [30, 0]}}\n{{\"wait\": \"undo == "
+      "1\"}}\n"
+      "{{\"drag\": \"viewport.picture\", \"by\": [30, 10], \"button\": 1}}\n{{\"wait\": \"idle == true\"}}\n"
+      "{{\"key\": \"ctrl+s\"}}\n{{\"click\": \"file.path\"}}\n{{\"key\": \"ctrl+a\"}}\n{{\"type\": \"{}\"}}\n"
+      "{{\"click\": \"file.ok\"}}\n{{\"wait\": \"toasts.0 contains saved\"}}\n{{\"key\": \"f9\"}}\n"
+      "{{\"wait\": \"toasts.1 contains written\"}}\n",
+      preset);
+  const std::filesystem::path before = std::filesystem::current_path(), work = base_ / "work";
+  std::filesystem::current_path(work);
+  const Outcome played = play(text);
+  std::filesystem::current_path(before);
+  ASSERT_EQ(played.code, 0) << played.err;
+  for (const auto& entry : std::filesystem::directory_iterator(work / "captures"))
+    if (entry.path().extension() == ".png") std::filesystem::copy(entry.path(), shot);
+  const Outcome rendered = run({"render", scene(), "--preset", preset, "-o", again, "--frames", "64", "--fps", "0"});
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  const Outcome same = run({"compare", shot, again, "--metric", "rmse,psnr", "--json", "-"});
+  ASSERT_EQ(same.code, 0) << same.err;
+  EXPECT_LT(same.json()["metrics"]["rmse"]["value"].get<double>(), 0.01) << same.out;
+  // Without the technique the picture is another: the limit above means something.
+  const Outcome other =
+      run({"render", scene(), "--preset", preset, "--technique", "none", "-o", again, "--frames", "2"});
+  ASSERT_EQ(other.code, 0) << other.err;
+  EXPECT_GT(
+      run({"compare", shot, again, "--metric", "rmse", "--json", "-"}).json()["metrics"]["rmse"]["value"].get<double>(),
+      0.02);
+}
+
+TEST_F(GuiTest, ABrokenSettingsFileIsPutAside) {
+  std::filesystem::create_directories(config() + "/nearfield");
+  std::ofstream(config() + "/nearfield/editor.json") << "{ nonsense";
+  PLAYS(play("{\"wait\": \"toasts.0 contains .bad\"}\n{\"key\": \"ctrl+=\"}\n{\"wait\": \"scale == 1.25\"}\n"));
+  EXPECT_TRUE(std::filesystem::exists(config() + "/nearfield/editor.json.bad"));
+  PLAYS(play("{\"wait\": \"scene_frames >= 1\"}\n{\"expect\": \"scale == 1.25\"}\n"));
+  PLAYS(play("{\"wait\": \"scene_frames >= 1\"}\n{\"expect\": \"scale == 1\"}\n", {"--reset-settings"}));
+}
+
+TEST_F(GuiTest, CapturesPassTheSchema) {
+  const std::filesystem::path before = std::filesystem::current_path(), work = base_ / "work";
+  std::filesystem::current_path(work);
+  const Outcome played =
+      play("{\"wait\": \"settled >= 6\"}\n{\"key\": \"ctrl+t\"}\n{\"wait\": \"toasts.0 contains captures\"}\n");
+  std::filesystem::current_path(before);
+  ASSERT_EQ(played.code, 0) << played.err;
+  std::filesystem::path written_to;
+  for (const auto& entry : std::filesystem::directory_iterator(work / "captures")) written_to = entry.path();
+  const nlohmann::json timing = nlohmann::json::parse(bytes_of(written_to / "timing.json"));
+  EXPECT_EQ(timing["schema"], "nearfield.timing/1");
+  EXPECT_GT(timing["runs"][0]["passes"].size(), 5u);
+  EXPECT_TRUE(capture::check_trace(nlohmann::json::parse(bytes_of(written_to / "trace.json"))).empty());
+}
+
+}  // namespace
+}  // namespace nf
