@@ -139,7 +139,7 @@ TEST(Estimator, StaysOnTheScreenAndOffTheReceiver) {
         return bed::Texel{1.0f + 0.1f * float((p.x * 7 + p.y * 3) % 5), vec3(0, 0, 1), vec3(1), {}};
       };
       twin::frame.frame_index = unsigned(i);
-      twin::Estimate seen = twin::estimate_bitmask(pixel);
+      twin::Gathered seen = twin::estimate_bitmask(pixel);
       EXPECT_EQ(own, 2) << "the receiver's depth and normal, once each";
       EXPECT_TRUE(std::isfinite(seen.visibility) && std::isfinite(seen.gi.x));
       if (size.x > 3) {

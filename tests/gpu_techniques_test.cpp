@@ -139,7 +139,7 @@ TEST_F(Techniques, TheDeviceAgreesWithTheTwins) {
     double visibility = 0, gi = 0, bent = 0, occluded = 0;
     for (unsigned i = 0; i < size.x * size.y; ++i) {
       const ivec2 p(int(i % size.x), int(i / size.x));
-      twin::Estimate expected{};
+      twin::Gathered expected{};
       if (bitmask) {
         expected = twin::estimate_bitmask(p);
       } else {

@@ -507,7 +507,7 @@ TEST(Directions, AmbientByDirection) {
   const ivec2 pixel = bed.camera.texel_of(dvec3(0));
   const auto forms = {thorough(16, 64), paper(thorough(16, 64))};
   for (const Params& params : forms) {
-    const twin::Estimate seen = mean(pixel, params, 4);
+    const twin::Gathered seen = mean(pixel, params, 4);
     EXPECT_NEAR(seen.ambient.x, seen.visibility, 1e-4);
   }
   const vec3 to_wall = glm::transpose(glm::mat3(bed.camera.axes())) * vec3(1, 0, 0);

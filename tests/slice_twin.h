@@ -102,12 +102,12 @@ inline Params thorough(int slices = 64, int steps = 256) {
 }
 
 // Mean of an estimator over frames, as --accumulate does.
-inline Estimate mean(glm::ivec2 pixel, const Params& params, int frames) {
+inline Gathered mean(glm::ivec2 pixel, const Params& params, int frames) {
   bitmask = params;
-  Estimate sum{0, glm::vec3(0), glm::vec3(0), glm::vec3(0)};
+  Gathered sum{0, glm::vec3(0), glm::vec3(0), glm::vec3(0)};
   for (int i = 0; i < frames; ++i) {
     frame.frame_index = unsigned(i);
-    const Estimate one = estimate_bitmask(pixel);
+    const Gathered one = estimate_bitmask(pixel);
     sum.visibility += one.visibility / float(frames);
     sum.bent += one.bent / float(frames);
     sum.gi += one.gi / float(frames);

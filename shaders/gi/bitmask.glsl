@@ -32,13 +32,6 @@ const int EMITTER_NONE = 1;
 const int EMITTER_COSINE = 2;
 const int EMITTER_HALF_SPACE = 3;
 
-struct Estimate {
-  float visibility;  // 1 = open
-  vec3 bent;         // mean of the open directions, weighted by the measure; view space, not unit
-  vec3 gi;           // irradiance / pi
-  vec3 ambient;      // irradiance / pi of the environment
-};
-
 // --- where a direction lies on the sectors ---
 
 // Position, in sectors, of the angle with sine s on one side of a slice: constant + linear s + square s^2 + cube s^3 + curve k(s),
@@ -325,8 +318,8 @@ void gather_regions(Slice slice, Scale front_scale, Scale back_scale, float weig
 
 // --- the pixel ---
 
-Estimate estimate_bitmask(ivec2 pixel) {
-  Estimate result;
+Gathered estimate_bitmask(ivec2 pixel) {
+  Gathered result;
   result.visibility = 1.0f;
   result.bent = vec3(0.0f);
   result.gi = vec3(0.0f);

@@ -24,6 +24,14 @@ const int THICKNESS_ANGULAR = 2;
 const int THICKNESS_INFINITE = 3;
 const int BACK_SAMPLE_RAY = 0;
 
+// What a pixel gathers.
+struct Gathered {
+  float visibility;  // 1 = open
+  vec3 bent;         // mean of the open directions, weighted by the measure; view space, not unit
+  vec3 gi;           // irradiance / pi
+  vec3 ambient;      // irradiance / pi of the environment
+};
+
 struct Receiver {
   ivec2 pixel;
   float depth;   // 0: background
