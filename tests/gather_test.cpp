@@ -132,6 +132,7 @@ TEST(Raymarch, AgreesWithTheBitmasks) {
       params.slices = 32;
       params.steps = 512;
       params.radius = 100;
+      params.span = 1;  // what is between texels is open to rays
       const twin::Gathered bits = twin::mean(pixel, params, 8);
       EXPECT_NEAR(rays.visibility, bits.visibility, 0.02) << infinite << " at " << place.x << " " << place.z;
       for (int c = 0; c < 3; ++c)
@@ -156,6 +157,7 @@ TEST(Raymarch, IsNoisierThanTheBitmasksAtEqualFetches) {
         double sum[2] = {}, squares[2] = {};
         defaults(2);
         twin::gi.thickness = 0.5f;
+        twin::bitmask.span = 1;  // 32 fetches
         for (unsigned frame = 0; frame < frames; ++frame) {
           twin::frame.frame_index = frame;
           double values[2];

@@ -62,6 +62,7 @@ inline std::function<glm::vec3(glm::vec3)> environment_from = [](glm::vec3) { re
 #define BITMASK_SECTOR_MEASURE bitmask.sector_measure
 #define BITMASK_FAST_ACOS bitmask.fast_acos
 #define BITMASK_EMITTER bitmask.emitter
+#define BITMASK_SPAN bitmask.span
 #define BITMASK_LIGHT 1
 #define BITMASK_AMBIENT 1
 #define MASK_WORDS 4
