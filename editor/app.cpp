@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <imgui.h>
 #include <map>
@@ -11,12 +10,9 @@
 #include <thread>
 
 #include "actions.h"
-#include "capture/csv.h"
-#include "capture/trace.h"
-#include "cli/measure.h"
-#include "core/fingerprint.h"
+#include "captures.h"
 #include "core/log.h"
-#include "image/file.h"
+#include "incoming.h"
 #include "layout.h"
 #include "live/worker.h"
 #include "panels/panels.h"
@@ -75,15 +71,6 @@ std::string view_beside(const std::string& scene) {
   return {};
 }
 
-std::string file_time() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  localtime_r(&now, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y%m%d-%H%M%S", &parts);
-  return text;
-}
-
 std::string lower_extension(const std::string& path) {
   std::string text = fs::path(path).extension().string();
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
@@ -100,18 +87,12 @@ class App {
   void load_fonts();
   void frame();
   void take_events();
-  void take_event(live::Event& event);
-  void take_frame(live::Published&& frame);
-  void show_scene(live::SceneInfo&& scene);
   void open_file(const std::string& path);
   void ask();
   void serve();
-  void capture();
   void on_input(const ui::InputEvent& event);
   void pace(double started);
   double clock() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  image::Image8 window_picture() const;
-  std::string new_file(const std::string& name);
 
   EditOptions& o_;
   Editor e_;
@@ -123,7 +104,6 @@ class App {
   std::unique_ptr<live::Worker> worker_;
   std::unique_ptr<ui::Script> script_;
   std::unique_ptr<Refiner> refiner_;
-  std::optional<Preset> pending_preset_;  // for the scene that is being loaded
   Document sent_;
   live::Wanted last_;
   std::span<const std::byte> shown_;
@@ -213,127 +193,19 @@ void App::load_fonts() {
   e_.rebuild_fonts = false;
 }
 
-// --- from the renderer
-
-void App::show_scene(live::SceneInfo&& scene) {
-  e_.scene = std::move(scene);
-  e_.scene_ready = true;
-  e_.document.lights = e_.scene.lights;
-  e_.document.bookmarks = load_bookmarks(e_.scene.path);
-  if (pending_preset_) {
-    try {
-      apply_preset(*pending_preset_, e_.document);
-    } catch (const Error& error) {
-      toast(e_, error.what(), true);
-    }
-    pending_preset_.reset();
-  }
-  go_to(e_, e_.scene.start);
-  e_.undo.start(e_.document);
-  e_.picking = {};
-  e_.wanted.scene = e_.scene.serial;
-  ++e_.wanted.lights_revision;
-  ++e_.wanted.history;
-  ++e_.wanted.revision;
-  e_.timings.clear();
-}
-
-void App::take_event(live::Event& event) {
-  switch (event.kind) {
-    case live::EventKind::DeviceOpened:
-      e_.device = event.text;
-      e_.software = event.software;
-      e_.device_context = std::move(event.context);
-      if (e_.software && !e_.preferences.scale_chosen) e_.preferences.render_scale = 0.5f;
-      if (e_.device_lost) toast(e_, "the renderer was started anew");
-      if (e_.device_lost) e_.banner = {};
-      e_.device_lost = false;
-      break;
-    case live::EventKind::SceneLoading:
-      toast(e_, "loading " + fs::path(event.text).filename().string());
-      break;
-    case live::EventKind::SceneLoaded:
-      show_scene(std::move(event.scene));
-      break;
-    case live::EventKind::SceneCopied:
-      if (refiner_) refiner_->take_scene(e_, std::move(event.copy));
-      break;
-    case live::EventKind::EnvironmentLoaded:
-      e_.scene.environment = std::move(event.scene.environment);
-      e_.scene.own_environment = false;
-      toast(e_, "environment " + fs::path(event.text).filename().string());
-      break;
-    case live::EventKind::Failed:
-      log::error("{}", event.text);
-      toast(e_, event.text, true);
-      e_.banner = {event.text, {}};
-      break;
-    case live::EventKind::ShaderBroken:
-      log::error("{}", event.text);
-      e_.banner = {event.text, std::move(event.faults)};
-      for (const gpu::ReloadError& fault : e_.banner.faults)
-        log::error("{}:{}:{}: {}", fault.file, fault.line, fault.column, fault.message);
-      break;
-    case live::EventKind::ShadersLoaded:
-      e_.banner = {};
-      e_.green_flash = e_.now;
-      e_.flash_text = fmt::format("{} in {:.0f} ms", event.text, event.ms);
-      log::info("{}", e_.flash_text);
-      break;
-    case live::EventKind::Mended:
-      e_.banner = {};
-      break;
-    case live::EventKind::Saved:
-      toast(e_, "written: " + event.text);
-      break;
-    case live::EventKind::DeviceLost:
-      log::error("{}", event.text);
-      e_.device_lost = true;
-      e_.banner = {event.text + "\nNothing of yours is lost.", {}};
-      break;
-  }
-}
-
-void App::take_frame(live::Published&& frame) {
-  e_.scene_frames = frame.number;
-  e_.frames_since_change = frame.revision == e_.wanted.revision ? frame.settled : 0;
-  e_.shown_revision = frame.revision;
-  e_.settled = frame.revision == e_.wanted.revision ? frame.settled : 0;
-  e_.scene_time = frame.time;
-  e_.scene_ms = frame.frame_ms;
-  e_.timings.add(frame);
-  if (frame.graph) {
-    if (!frame.graph->diff.empty()) e_.plan_diff = frame.graph->diff;
-    e_.graph = std::move(*frame.graph);
-  }
-  if (frame.compared && refiner_) refiner_->compare(e_, std::move(*frame.compared));
-  if (frame.picked) e_.picking.values = std::move(*frame.picked);
-  if (!e_.texture.frozen) {
-    e_.texture.error = frame.probe_error;
-    if (frame.probe) {
-      e_.texture.pixels = std::move(*frame.probe);
-      pictures_->set_picture(ui::PictureId::Texture, e_.texture.pixels.size,
-                             std::span<const float>(e_.texture.pixels.floats));
-    }
-  }
-  e_.picture = std::move(frame.picture);
-  Fingerprint hash;
-  hash.add(e_.picture.rgba);
-  hash.add(e_.picture.floats);
-  e_.picture_hash = hash.value();
-  if (!e_.picture.rgba.empty())
-    pictures_->set_picture(ui::PictureId::Scene, e_.picture.size, std::span<const uint8_t>(e_.picture.rgba));
-  else
-    pictures_->set_picture(ui::PictureId::Scene, e_.picture.size, std::span<const float>(e_.picture.floats));
-}
-
 void App::take_events() {
   for (std::string& line : log_->take()) {
     e_.log.push_back(std::move(line));
     if (e_.log.size() > 5000) e_.log.pop_front();
   }
-  for (live::Event& event : worker_->take_events()) take_event(event);
-  if (std::optional<live::Published> frame = worker_->take()) take_frame(std::move(*frame));
+  for (live::Event& event : worker_->take_events()) {
+    if (event.copy && refiner_) refiner_->take_scene(e_, std::move(event.copy));
+    take_event(e_, event);
+  }
+  if (std::optional<live::Published> frame = worker_->take()) {
+    if (frame->compared && refiner_) refiner_->compare(e_, std::move(*frame->compared));
+    take_frame(e_, std::move(*frame));
+  }
 }
 
 // --- to the renderer
@@ -395,7 +267,7 @@ void App::open_file(const std::string& path) {
         const scene::View* inside = view_inside(preset);
         e_.outbox.push_back({live::CommandKind::LoadScene, *preset.scene, view_name(preset),
                              inside ? std::optional(*inside) : std::nullopt});
-        pending_preset_ = std::move(preset);
+        e_.pending_preset = std::move(preset);
       } else {
         apply_preset(preset, e_.document);
         if (const scene::View* inside = view_inside(preset)) {
@@ -417,69 +289,6 @@ void App::open_file(const std::string& path) {
   }
 }
 
-// --- files
-
-std::string App::new_file(const std::string& name) {
-  fs::create_directories("captures");
-  return (fs::path("captures") / name).string();
-}
-
-image::Image8 App::window_picture() const {
-  image::Image8 out{e_.window.x, e_.window.y, 3, {}};
-  for (size_t i = 0; i + 3 < shown_.size(); i += 4)
-    for (size_t c = 0; c < 3; ++c) out.pixels.push_back(uint8_t(shown_[i + c]));
-  return out;
-}
-
-void App::capture() {
-  capture::Run& run = e_.timings.run;
-  if (run.frames.empty()) return toast(e_, "no frame was timed yet", true);
-  const std::string folder = new_file("timing-" + file_time());
-  fs::create_directories(folder);
-  run.name = run.technique = e_.document.settings.technique->id;
-  passes::FrameView view;
-  view.size = e_.picture.size;
-  view.seed = e_.document.seed;
-  run.settings = settings_json({.name = run.name,
-                                .settings = e_.document.settings,
-                                .mode = is_paper_mode(e_.document.settings) ? "paper" : "radiometric"},
-                               view);
-  run.scene = {{"path", e_.scene.path}, {"triangles", e_.scene.triangles}};
-  run.memory = {{"placed_bytes", e_.graph.placed},
-                {"max_live_bytes", e_.graph.max_live},
-                {"unaliased_bytes", e_.graph.unaliased}};
-  const capture::Summary summary = capture::summarise(run);
-  capture::Trust trust = capture::judge(
-      run, summary,
-      {.load = {}, .software_device = e_.software, .debug_build = build_info().debug, .validation = o_.validation});
-  trust.noisy.push_back("captured in the editor: its own frames ran beside these");
-  const std::vector<capture::RunResult> results{{&run, summary, trust}};
-  json context = e_.device_context;
-  context["ui"] = true;
-  const json method = {{"timing", "serialize"},
-                       {"frames", run.frames.size()},
-                       {"warmup_frames", 0},
-                       {"settle_frames", 0},
-                       {"repeats", 1},
-                       {"interleaved", false},
-                       {"percentile", "nearest-rank"},
-                       {"clock", "gpu-timestamps"},
-                       {"frames_in_flight", 1},
-                       {"fps", 0},
-                       {"path", nullptr}};
-  write_atomically(fs::path(folder) / "timing.json",
-                   capture::timing_document(context, method, results, true).dump(1) + "\n");
-  write_atomically(fs::path(folder) / "summary.csv", capture::summary_csv(results));
-  capture::FramesCsv frames(fs::path(folder) / "frames.csv");
-  for (const capture::FrameSample& sample : run.frames) frames.add(run, sample);
-  capture::Run shifted = run;  // a trace begins near zero
-  const int64_t first = run.frames.front().submit_ns;
-  for (capture::FrameSample& sample : shifted.frames) sample.submit_ns -= first, sample.gpu_begin_ns = sample.submit_ns;
-  write_atomically(fs::path(folder) / "trace.json",
-                   capture::trace_document({&shifted}, {{"device", e_.device}}, false).dump() + "\n");
-  toast(e_, "written: " + folder);
-}
-
 // What the panels and actions asked for and only this can do.
 void App::serve() {
   for (const std::string& path : std::exchange(e_.dropped, {})) open_file(path);
@@ -487,57 +296,8 @@ void App::serve() {
     pictures_->set_picture(ui::PictureId::SlotA, e_.picture.size, std::span<const uint8_t>(e_.picture.rgba));
     toast(e_, "kept as A");
   }
-  try {
-    if (!e_.save_preset.empty()) {
-      const std::string path = std::exchange(e_.save_preset, {});
-      write_preset(path, make_preset(e_));
-      e_.preset_path = path;
-      toast(e_, "saved: " + path);
-    }
-    const bool window = std::exchange(e_.screenshot_window, false),
-               viewport = std::exchange(e_.screenshot_viewport, false);
-    if (window || viewport) {
-      const std::string path = new_file(fmt::format("{}-{}.png", window ? "window" : "picture", file_time()));
-      image::Image8 picture = window_picture();
-      if (!window) {
-        picture = {e_.picture.size.x, e_.picture.size.y, 3, {}};
-        for (size_t i = 0; i + 3 < e_.picture.rgba.size(); i += 4)
-          picture.pixels.insert(picture.pixels.end(), &e_.picture.rgba[i], &e_.picture.rgba[i] + 3);
-      }
-      image::write_png(path, picture);
-      write_preset(fs::path(path).replace_extension(".json"), make_preset(e_));
-      toast(e_, "written: " + path);
-    }
-    if (!screenshot_.empty()) image::write_png(std::exchange(screenshot_, {}), window_picture());
-    if (std::exchange(e_.save_curve, false)) {
-      std::string text = "spp,rmse,noise\n";
-      for (const ReferenceView::Point& p : e_.reference.curve)
-        text += fmt::format("{},{},{}\n", p.spp, p.rmse, p.floor);
-      const std::string path = new_file(fmt::format("convergence-{}.csv", file_time()));
-      write_atomically(path, text);
-      toast(e_, "written: " + path);
-    }
-    if (std::exchange(e_.capture_asked, false)) capture();
-    if (std::exchange(e_.save_layers, false))
-      e_.outbox.push_back({live::CommandKind::SaveLayers, new_file(fmt::format("layers-{}.exr", file_time())), {}, {}});
-    if (!e_.save_texture.empty()) {
-      const std::string ending = std::exchange(e_.save_texture, {});
-      const live::Pixels& p = e_.texture.pixels;
-      std::string name = p.name;
-      std::replace(name.begin(), name.end(), '/', '_');
-      const std::string path = new_file(fmt::format("{}-{}{}", name, file_time(), ending));
-      save_pixels(path, p, e_.texture.look);
-      toast(e_, "written: " + path);
-    }
-  } catch (const std::exception& error) {
-    toast(e_, error.what(), true);
-  }
-  if (std::exchange(e_.copy_command, false)) {
-    const std::string command = command_for(e_);
-    ImGui::SetClipboardText(command.c_str());
-    log::info("{}", command);
-    toast(e_, "copied: " + command);
-  }
+  if (!screenshot_.empty()) write_window(std::exchange(screenshot_, {}), e_, shown_);
+  write_captures(e_, shown_, o_.validation);
   if (std::exchange(e_.fullscreen_asked, false) && window_) window_->toggle_fullscreen();
   if (e_.now - kept_at_ > 5) {
     kept_at_ = e_.now;
@@ -597,6 +357,10 @@ void App::frame() {
   }
   ++e_.ui_frames;
   e_.ui_ms = float((clock() - started) * 1e3);
+  e_.ui_history.push_back(e_.ui_ms);
+  e_.ui_periods.push_back(io.DeltaTime * 1e3f);
+  for (std::deque<float>* times : {&e_.ui_history, &e_.ui_periods})
+    if (times->size() > TimingHistory::limit) times->pop_front();
   if (e_.scene_ready) e_.undo.watch(e_.document, ImGui::IsAnyItemActive());
   serve();
   if (e_.reference.on && !refiner_) refiner_ = std::make_unique<Refiner>();

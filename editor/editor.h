@@ -12,6 +12,7 @@
 #include "document.h"
 #include "live/published.h"
 #include "live_reference.h"
+#include "preset.h"
 #include "ui/input.h"
 #include "ui/renderer.h"
 
@@ -129,10 +130,13 @@ struct Editor {
   nlohmann::json device_context;
   bool software = false, device_lost = false;
   live::Pixels picture;  // of the last frame
+  std::vector<std::string> not_finite;  // of the last frame, with debug.nan_scan
   uint64_t scene_frames = 0, frames_since_change = 0, shown_revision = 0;
   uint32_t settled = 0;
   double scene_time = 0;
   float scene_ms = 0, ui_ms = 0;
+  // The interface's own frames: what they cost, and from one to the next, in milliseconds.
+  std::deque<float> ui_history, ui_periods;
 
   // To the renderer.
   live::Wanted wanted;
@@ -144,8 +148,9 @@ struct Editor {
   std::deque<std::string> log;
   std::string search, log_search, action_search, preset_path, prompt;
   bool changed_only = false, show_help = false, show_save = false, show_open = false, quit = false;
-  bool keep_a = false;               // keep the picture for comparison
-  std::vector<std::string> dropped;  // files to open, whatever they are
+  bool keep_a = false;                   // keep the picture for comparison
+  std::optional<Preset> pending_preset;  // for the scene that is being loaded
+  std::vector<std::string> dropped;      // files to open, whatever they are
   std::string preset_folder, bundled_scene;
   std::string save_preset, save_texture;  // a path; an ending
   bool save_curve = false;

@@ -21,7 +21,6 @@ class Refiner {
   uint64_t scene_ = 0, lights_ = 0;
   scene::Camera camera_;
   glm::uvec2 size_{0};
-  int bounces_ = 0;
   std::string settings_;  // what of the settings the tracer heeds, as text
   image::Image compared_;
   std::string compared_name_;

@@ -13,6 +13,15 @@ namespace nf::editor {
 
 using nlohmann::json;
 
+namespace {
+
+json percentiles(const std::deque<float>& ms) {
+  const capture::Statistics s = capture::statistics({ms.begin(), ms.end()});
+  return {{"count", s.count}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}};
+}
+
+}  // namespace
+
 json make_state(Editor& e, bool idle) {
   json widgets = json::object();
   for (const auto& [id, w] : ui::widgets())
@@ -51,11 +60,14 @@ json make_state(Editor& e, bool idle) {
           {"popup", ImGui::GetCurrentContext()->OpenPopupStack.empty() ? "" : "open"},
           {"toasts", toasts},
           {"banner", e.banner.text},
+          {"not_finite", e.not_finite},
           {"faults", faults},
           {"device", e.device},
           {"device_lost", e.device_lost},
           {"scene_ms", e.scene_ms},
           {"ui_ms", e.ui_ms},
+          {"ui_frames_ms", percentiles(e.ui_history)},
+          {"ui_periods_ms", percentiles(e.ui_periods)},
           {"playing", e.wanted.playing},
           {"steps", e.wanted.steps},
           {"paused", e.wanted.paused},

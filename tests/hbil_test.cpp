@@ -257,8 +257,7 @@ TEST(Hbil, IsVbgiWithInfiniteThickness) {
       const twin::Lit one = twin::estimate_hbil({x, y});
       twin::gi.thickness_mode = twin::THICKNESS_INFINITE;
       twin::bitmask.sectors = 5;  // 128
-      twin::bitmask.span = 1;     // texels, as hbil's
-      const twin::Gathered other = twin::estimate_bitmask({x, y});
+      const twin::Estimate other = twin::estimate_bitmask({x, y});
       visibility += std::abs(one.visibility - other.visibility);
       light += std::abs(one.gi.x - other.gi.x);
       ++count;

@@ -97,7 +97,7 @@ struct Published {
   std::optional<Pixels> probe;
   std::string probe_error;
   std::optional<Pixels> compared;
-  uint64_t not_finite = 0;  // channels of the picture's radiance that are no numbers
+  std::vector<std::string> not_finite;  // debug.nan_scan: images with NaN or infinite texels, and where
   uint32_t draws = 0;
 };
 

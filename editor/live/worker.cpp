@@ -204,6 +204,7 @@ Published Worker::Engine::frame(const Wanted& wanted) {
   if (layer_texels) built.readback("readback.layer", layer_texels);
   if (outputs.loop_energy) built.readback("readback.loop_energy", outputs.loop_energy);
   if (outputs.clamped_energy) built.readback("readback.clamped_energy", outputs.clamped_energy);
+  if (outputs.nan_scan.found) built.readback("readback.nan_scan", outputs.nan_scan.found);
   built.readback("readback.picture", renderer->add_picture(built, outputs, wanted.settings));
   describe_graph(built, out);
   const passes::Aov* compared = wanted.compared ? &passes::find_aov(*wanted.compared) : nullptr;
@@ -260,6 +261,12 @@ Published Worker::Engine::frame(const Wanted& wanted) {
                           values.image.pixels.begin() + long(first + values.image.channels));
       out.picked->layers.push_back(std::move(value));
       ++next_pick;
+    } else if (name == "readback.nan_scan") {
+      for (const passes::NonFiniteTexels& image : read_nan_scan(outputs.nan_scan, readback))
+        if (image.any())
+          out.not_finite.push_back(fmt::format("{}: {} NaN, {} infinite of {}x{}, the first at {}, {}", image.image,
+                                               image.nan, image.inf, image.size.width, image.size.height, image.first.x,
+                                               image.first.y));
     } else if (name == "readback.compared") {
       out.compared = to_pixels(to_layer(*compared, readback));
     } else if (name == "readback.probe") {

@@ -32,6 +32,7 @@ const char* title_of(const ParamTable& table, const passes::Technique& technique
   if (prefix == "denoise") return "Denoise";
   if (prefix == "taa") return "Temporal anti-aliasing";
   if (prefix == "tonemap") return "Tone mapping";
+  if (prefix == "debug") return "Looking for faults";
   return table.prefix;
 }
 

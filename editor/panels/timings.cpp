@@ -69,13 +69,11 @@ void draw_history(Editor& editor) {
 std::vector<TimingRow> make_rows(const TimingHistory& t, size_t window) {
   std::vector<TimingRow> rows;
   const capture::Statistics frame = statistics_of(t.frame_ms, window);
-  double sum = 0;
   for (const TimingHistory::Row& row : t.rows) {
     TimingRow out{.name = row.name, .description = row.description, .s = statistics_of(row.ms, window)};
     if (out.s.count == 0) continue;
     out.last = std::isfinite(row.ms.back()) ? row.ms.back() : 0;
     out.share = frame.median > 0 ? float(out.s.median / frame.median) : 0;
-    sum += out.s.median;
     rows.push_back(std::move(out));
   }
   return rows;
@@ -253,9 +251,8 @@ void draw_timings_panel(Editor& editor) {
     total("record", "Planning and recording, on the CPU", double(t.record_ms.back()),
           statistics_of(t.record_ms, window));
   }
-  capture::Statistics ui_row;
-  ui_row.median = double(editor.ui_ms);
-  total("UI", "This window's own frame", double(editor.ui_ms), ui_row);
+  total("UI", "This window's own frame, beside the scene's", double(editor.ui_ms),
+        statistics_of(editor.ui_history, window));
   ImGui::EndTable();
 }
 

@@ -185,6 +185,9 @@ void draw_overlay(Editor& editor, ImVec2 low, ImVec2 size) {
     }
   }
   if (editor.wanted.paused) label(ImVec2(low.x + 8, low.y + 8), IM_COL32(255, 220, 120, 255), "frozen (Ctrl+Space)");
+  for (size_t i = 0; i < editor.not_finite.size(); ++i)
+    label(ImVec2(low.x + 8, low.y + 8 + line * 1.4f * float(i + 1)), IM_COL32(255, 130, 255, 255),
+          editor.not_finite[i]);
   if (editor.picking.locked && editor.picture.size.x > 0) {
     const glm::vec2 at = (glm::vec2(editor.picking.pixel) + 0.5f) / glm::vec2(editor.picture.size);
     const ImVec2 p(low.x + at.x * size.x, low.y + at.y * size.y);

@@ -1,0 +1,14 @@
+// Files that the user asked for: screenshots, timings, layers, textures, presets. All go to ./captures.
+#pragma once
+
+#include <span>
+
+#include "editor.h"
+
+namespace nf::editor {
+
+// Carries out what panels and actions have asked of files. `window` holds the RGBA8 texels of the whole window.
+void write_captures(Editor& editor, std::span<const std::byte> window, bool validation);
+void write_window(const std::string& path, const Editor& editor, std::span<const std::byte> window);
+
+}  // namespace nf::editor
