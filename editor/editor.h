@@ -129,7 +129,7 @@ struct Editor {
   std::string device;
   nlohmann::json device_context;
   bool software = false, device_lost = false;
-  live::Pixels picture;  // of the last frame
+  live::Pixels picture;                 // of the last frame
   std::vector<std::string> not_finite;  // of the last frame, with debug.nan_scan
   uint64_t scene_frames = 0, frames_since_change = 0, shown_revision = 0;
   uint32_t settled = 0;

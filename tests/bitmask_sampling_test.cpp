@@ -42,6 +42,7 @@ TEST(Estimator, OneSampleIsThatOfThePositions) {
   look_through(camera);
   twin::bitmask = {};
   twin::bitmask.steps = 1;
+  twin::bitmask.span = 1;  // the texel by itself
   std::mt19937 engine(5);
   std::uniform_real_distribution<float> uniform(0, 1);
   int bits = 0;
@@ -106,6 +107,7 @@ TEST(Estimator, TheTwoSidesOfASliceAreJitteredApart) {
   twin::bitmask.slices = 4;
   twin::bitmask.steps = 8;
   twin::bitmask.radius = 20;  // so far apart that few texels meet by chance
+  twin::bitmask.span = 1;     // nor do their neighbours
   twin::estimate_bitmask(pixel);
   auto mirrored = [&](ivec2 o) { return std::find(offsets.begin(), offsets.end(), -o) != offsets.end(); };
   EXPECT_EQ(offsets.size(), 2u * 4 * 8);
@@ -129,6 +131,7 @@ TEST(Estimator, StaysOnTheScreenAndOffTheReceiver) {
     camera.size = size;
     look_through(camera);
     twin::bitmask = thorough(4, 16);
+    twin::bitmask.span = 1;
     for (int i = 0; i < size.x * size.y; ++i) {
       ivec2 pixel(i % size.x, i / size.x);
       int own = 0, fetches = 0;
@@ -139,7 +142,7 @@ TEST(Estimator, StaysOnTheScreenAndOffTheReceiver) {
         return bed::Texel{1.0f + 0.1f * float((p.x * 7 + p.y * 3) % 5), vec3(0, 0, 1), vec3(1), {}};
       };
       twin::frame.frame_index = unsigned(i);
-      twin::Estimate seen = twin::estimate_bitmask(pixel);
+      twin::Gathered seen = twin::estimate_bitmask(pixel);
       EXPECT_EQ(own, 2) << "the receiver's depth and normal, once each";
       EXPECT_TRUE(std::isfinite(seen.visibility) && std::isfinite(seen.gi.x));
       if (size.x > 3) {

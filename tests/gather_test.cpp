@@ -132,7 +132,8 @@ TEST(Raymarch, AgreesWithTheBitmasks) {
       params.slices = 32;
       params.steps = 512;
       params.radius = 100;
-      const twin::Estimate bits = twin::mean(pixel, params, 8);
+      params.span = 1;  // what is between texels is open to rays
+      const twin::Gathered bits = twin::mean(pixel, params, 8);
       EXPECT_NEAR(rays.visibility, bits.visibility, 0.02) << infinite << " at " << place.x << " " << place.z;
       for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(rays.gi[c], bits.gi[c], 0.02) << infinite << " at " << place.x << " " << place.z;
@@ -156,6 +157,7 @@ TEST(Raymarch, IsNoisierThanTheBitmasksAtEqualFetches) {
         double sum[2] = {}, squares[2] = {};
         defaults(2);
         twin::gi.thickness = 0.5f;
+        twin::bitmask.span = 1;  // 32 fetches
         for (unsigned frame = 0; frame < frames; ++frame) {
           twin::frame.frame_index = frame;
           double values[2];
@@ -163,7 +165,7 @@ TEST(Raymarch, IsNoisierThanTheBitmasksAtEqualFetches) {
             const Gathered seen = twin::estimate_raymarch({x, y});
             values[0] = seen.visibility, values[1] = seen.gi.y;
           } else {
-            const twin::Estimate seen = twin::estimate_bitmask({x, y});
+            const twin::Gathered seen = twin::estimate_bitmask({x, y});
             values[0] = seen.visibility, values[1] = seen.gi.y;
           }
           for (int k = 0; k < 2; ++k) sum[k] += values[k], squares[k] += values[k] * values[k];

@@ -137,6 +137,7 @@ TEST_F(Gather, HbilIsVbgiWithInfiniteThickness) {
     passes::FrameSettings settings = settings_for(technique);
     settings.gi.shared.thickness_mode = thickness_mode;
     settings.gi.shared.slices = 2;
+    settings.gi.vbgi.span = 1;  // samples are texels, as hbil's
     return shoot(scene, {.size = {64, 36}, .camera = camera, .settings = settings});
   };
   const auto apart = [](const Shot& a, const Shot& b, const char* layer) {

@@ -60,7 +60,7 @@ gpu::Defines vbgi_defines() {
   const passes::GiParams shared;
   const passes::VbgiParams own;
   return passes::GiPipelines::defines({{"GI", shared.table(), &shared}, {"BITMASK", own.table(), &own}},
-                                      passes::slice_defines(shared));
+                                      {passes::whole_step_exponent(shared)});
 }
 
 TEST(Shaders, BothWaysToFetchCompile) {

@@ -257,7 +257,8 @@ TEST(Hbil, IsVbgiWithInfiniteThickness) {
       const twin::Lit one = twin::estimate_hbil({x, y});
       twin::gi.thickness_mode = twin::THICKNESS_INFINITE;
       twin::bitmask.sectors = 5;  // 128
-      const twin::Estimate other = twin::estimate_bitmask({x, y});
+      twin::bitmask.span = 1;     // texels, as hbil's
+      const twin::Gathered other = twin::estimate_bitmask({x, y});
       visibility += std::abs(one.visibility - other.visibility);
       light += std::abs(one.gi.x - other.gi.x);
       ++count;

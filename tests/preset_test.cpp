@@ -170,7 +170,7 @@ TEST_F(Presets, VisibilityBitmasks) {
     double apart = 0, light_apart = 0, occluded = 0;
     int count = 0;
     over_pixels([&](const Pixel& pixel, vec3 noise) {
-      twin::Estimate seen;
+      twin::Gathered seen;
       const std::vector<ivec2> taps = reads(pixel.at, [&] { seen = twin::estimate_bitmask(pixel.at); });
       if (slices > 1 && light) return;
       double visibility = 0, red = 0;

@@ -30,6 +30,7 @@ Params paper(Params params) {
   params.slice_measure = twin::SLICES_SCREEN;
   params.projection = twin::PROJECTION_VIEW_COSINE;
   params.back_along = 1;
+  params.span = 1;
   params.sector_rule = twin::RULE_ROUND;
   params.sector_measure = twin::MEASURE_UNIFORM_ANGLE;
   params.emitter = twin::EMITTER_COSINE;
@@ -143,6 +144,7 @@ TEST(Measures, PitByItsClosedForms) {
       Params params = thorough(32, 4);
       params.radius = 0.2f;
       params.sector_measure = measure;
+      params.span = 1;  // a cone's tip is no plane
       params.fast_acos = 0;
       EXPECT_NEAR(mean(pixel, params, 64).visibility, expected[measure], 6e-3) << half << " measure " << measure;
       params.projection = twin::PROJECTION_VIEW_COSINE;
@@ -152,6 +154,7 @@ TEST(Measures, PitByItsClosedForms) {
     Params params = thorough(32, 4);
     params.radius = 0.2f;
     params.sector_measure = twin::MEASURE_FOUR_MASKS;
+    params.span = 1;
     const double quarter = std::floor(half / 22.5), low = std::sin(quarter * 22.5 * kDegree),
                  high = std::sin((quarter + 1) * 22.5 * kDegree);
     EXPECT_NEAR(mean(pixel, params, 64).visibility, low + (high - low) * (half / 22.5 - quarter), 8e-3) << half;
@@ -331,7 +334,7 @@ Bed things() {
           {{0, 1.5, 0}, {0, 0.5, -3}, 70, {512, 512}}};
 }
 
-// 3.15 item 9: infinite thickness and 128 sectors is GTAO.
+// 3.15 item 9: infinite thickness and 128 sectors is GTAO, whose samples are texels.
 TEST(Bitmask, InfiniteThicknessIsGtao) {
   const Bed bed = things();
   use(bed);
@@ -341,6 +344,7 @@ TEST(Bitmask, InfiniteThicknessIsGtao) {
     if (bed.texel(p).depth <= 0) return;
     Params params = thorough(2, 16);
     params.radius = 2;
+    params.span = 1;
     params.sectors = 5;
     const double a = mean(p, params, 4).visibility, b = mean_horizons(p, params, {}, 4).visibility;
     off += std::abs(a - b), worst = std::max(worst, std::abs(a - b)), occluded += 1 - b;
@@ -373,6 +377,7 @@ TEST(Bitmask, ThicknessModes) {
   EXPECT_NEAR(angular, mean(pixel, params, 2).visibility, 2e-3) << "a right angle reaches the tangent plane";
   params.thickness_mode = twin::THICKNESS_ANGULAR;
   params.thickness_angle = 0;
+  params.span = 1;
   EXPECT_EQ(mean(pixel, params, 1).visibility, 1);
 }
 
@@ -507,7 +512,7 @@ TEST(Directions, AmbientByDirection) {
   const ivec2 pixel = bed.camera.texel_of(dvec3(0));
   const auto forms = {thorough(16, 64), paper(thorough(16, 64))};
   for (const Params& params : forms) {
-    const twin::Estimate seen = mean(pixel, params, 4);
+    const twin::Gathered seen = mean(pixel, params, 4);
     EXPECT_NEAR(seen.ambient.x, seen.visibility, 1e-4);
   }
   const vec3 to_wall = glm::transpose(glm::mat3(bed.camera.axes())) * vec3(1, 0, 0);

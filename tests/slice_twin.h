@@ -62,6 +62,7 @@ inline std::function<glm::vec3(glm::vec3)> environment_from = [](glm::vec3) { re
 #define BITMASK_SECTOR_MEASURE bitmask.sector_measure
 #define BITMASK_FAST_ACOS bitmask.fast_acos
 #define BITMASK_EMITTER bitmask.emitter
+#define BITMASK_SPAN bitmask.span
 #define BITMASK_LIGHT 1
 #define BITMASK_AMBIENT 1
 #define MASK_WORDS 4
@@ -102,12 +103,12 @@ inline Params thorough(int slices = 64, int steps = 256) {
 }
 
 // Mean of an estimator over frames, as --accumulate does.
-inline Estimate mean(glm::ivec2 pixel, const Params& params, int frames) {
+inline Gathered mean(glm::ivec2 pixel, const Params& params, int frames) {
   bitmask = params;
-  Estimate sum{0, glm::vec3(0), glm::vec3(0), glm::vec3(0)};
+  Gathered sum{0, glm::vec3(0), glm::vec3(0), glm::vec3(0)};
   for (int i = 0; i < frames; ++i) {
     frame.frame_index = unsigned(i);
-    const Estimate one = estimate_bitmask(pixel);
+    const Gathered one = estimate_bitmask(pixel);
     sum.visibility += one.visibility / float(frames);
     sum.bent += one.bent / float(frames);
     sum.gi += one.gi / float(frames);

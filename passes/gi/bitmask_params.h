@@ -10,6 +10,8 @@
     "A sample's sectors: end points moved by one random offset, or to the nearest; or the width rounded")          \
   P(Choice, sector_measure, 0, 0, 4, "cosine|uniform_angle|solid_angle|sine|four_masks",                           \
     "What sectors are equal parts of: projected solid angle, angle, solid angle, sine; or angles in four weights") \
+  P(Choice, span, 0, 0, 1, "interval|point",                                                                       \
+    "What a sample stands for: its surface over the whole of its step, or the texel alone")                        \
   P(Bool, fast_acos, 1, 0, 1, "", "Angles from a polynomial within 0.009 rad, for uniform_angle and four_masks")   \
   P(Bool, ambient, 1, 0, 1, "", "Gather the environment by direction, and the bent normal")                        \
   P(Choice, ambient_source, 1, 0, 1, "sh|cube",                                                                    \

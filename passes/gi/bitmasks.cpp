@@ -8,10 +8,10 @@ namespace {
 template <class Params>
 GiResult add_bitmask(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
                      const Params& params, const char* file, const char* trace, const GatherNames& names) {
-  gpu::Defines more = slice_defines(shared);
-  if (in.environment.any() && params.ambient) more.emplace_back("ENVIRONMENT_MAP", "1");
   const gpu::Pipeline pipeline =
-      pipelines.compute(file, {{"GI", GiParams::table(), &shared}, {"BITMASK", Params::table(), &params}}, more);
+      pipelines.compute(file, {{"GI", GiParams::table(), &shared}, {"BITMASK", Params::table(), &params}},
+                        {whole_step_exponent(shared),
+                         {"ENVIRONMENT_MAP", in.environment.any() && params.ambient ? 1 : GiPipelines::absent}});
   auto pass = graph.compute(trace, pipeline, "Sectors of screen-space slices that samples cover");
   pass.params(shared);
   if (params.ambient) pass.params(params);

@@ -37,10 +37,8 @@ GiResult add_gather(graph::Graph& graph, graph::PassBuilder& pass, const gpu::Sh
 
 GiResult add_gather_blur(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiResult& raw,
                          const char* name, const GatherNames& names, bool edges) {
-  const gpu::Pipeline pipeline = pipelines.compute("gi/blur.comp", {},
-                                                   {{"BLUR_EDGES", edges ? "1" : "0"},
-                                                    {"BLUR_LIGHT", raw.gi ? "1" : "0"},
-                                                    {"BLUR_AMBIENT", raw.ambient ? "1" : "0"}});
+  const gpu::Pipeline pipeline = pipelines.compute(
+      "gi/blur.comp", {}, {{"BLUR_EDGES", edges}, {"BLUR_LIGHT", bool(raw.gi)}, {"BLUR_AMBIENT", bool(raw.ambient)}});
   auto pass = graph.compute(name, pipeline, "Average of 4 x 4 pixels");
   pass.in("raw_visibility", raw.visibility);
   if (raw.gi) pass.in("raw_light", raw.gi);

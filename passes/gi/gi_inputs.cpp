@@ -13,26 +13,31 @@ bool is_choice(const Param& param) {
 
 }  // namespace
 
-gpu::Defines GiPipelines::defines(std::initializer_list<Choices> choices, gpu::Defines more) {
+gpu::Defines GiPipelines::defines(std::initializer_list<Choices> choices, std::initializer_list<Extra> extras) {
+  gpu::Defines all;
+  for (const Extra& extra : extras)
+    if (extra.value != absent) all.emplace_back(extra.name, std::to_string(extra.value));
   for (const Choices& c : choices) {
     for (const Param& param : c.table.params) {
       if (!is_choice(param)) continue;
       std::string name = std::string(c.prefix) + "_" + param.name;
       std::transform(name.begin(), name.end(), name.begin(), [](unsigned char x) { return char(std::toupper(x)); });
-      more.emplace_back(name, std::to_string(int(params::get(c.table, c.data, param))));
+      all.emplace_back(name, std::to_string(int(params::get(c.table, c.data, param))));
     }
   }
-  return more;
+  return all;
 }
 
-gpu::Pipeline GiPipelines::compute(const char* file, std::initializer_list<Choices> choices, const gpu::Defines& more) {
+gpu::Pipeline GiPipelines::compute(const char* file, std::initializer_list<Choices> choices,
+                                   std::initializer_list<Extra> extras) {
   values_.clear();
   for (const Choices& c : choices)
     for (const Param& param : c.table.params)
       if (is_choice(param)) values_.push_back(int32_t(params::get(c.table, c.data, param)));
+  for (const Extra& extra : extras) values_.push_back(extra.value);
   for (const Row& row : rows_)
-    if (row.file == file && row.values == values_ && row.more == more) return row.pipeline;
-  rows_.push_back({file, more, values_, pipelines_.compute(file, defines(choices, more))});
+    if (row.file == file && row.values == values_) return row.pipeline;
+  rows_.push_back({file, values_, pipelines_.compute(file, defines(choices, extras))});
   return rows_.back().pipeline;
 }
 

@@ -1,6 +1,7 @@
 // What a GI technique is given: the surfaces in view, the light that leaves them, the environment; and its pipelines.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "environment.h"
@@ -29,15 +30,20 @@ class GiPipelines {
     const ParamTable& table;
     const void* data;
   };
-  // The constants, after `more`.
-  static gpu::Defines defines(std::initializer_list<Choices> choices, gpu::Defines more = {});
-  // `file` is compared by address: pass a literal.
-  gpu::Pipeline compute(const char* file, std::initializer_list<Choices> choices, const gpu::Defines& more = {});
+  // Another constant; one that is absent is not defined.
+  struct Extra {
+    const char* name;
+    int32_t value;
+  };
+  static constexpr int32_t absent = INT32_MIN;
+  static gpu::Defines defines(std::initializer_list<Choices> choices, std::initializer_list<Extra> extras = {});
+  // `file` is compared by address: pass a literal, and with it always the same extras.
+  gpu::Pipeline compute(const char* file, std::initializer_list<Choices> choices,
+                        std::initializer_list<Extra> extras = {});
 
  private:
   struct Row {
     const char* file;
-    gpu::Defines more;
     std::vector<int32_t> values;
     gpu::Pipeline pipeline;
   };

@@ -7,10 +7,9 @@ namespace nf::passes {
 
 GiResult add_hbil(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
                   const HbilParams& params) {
-  gpu::Defines defines = slice_defines(shared);
-  if (in.environment.any()) defines.emplace_back("ENVIRONMENT_MAP", "1");
   const gpu::Pipeline pipeline = pipelines.compute(
-      "gi/hbil.comp", {{"GI", GiParams::table(), &shared}, {"HBIL", HbilParams::table(), &params}}, defines);
+      "gi/hbil.comp", {{"GI", GiParams::table(), &shared}, {"HBIL", HbilParams::table(), &params}},
+      {whole_step_exponent(shared), {"ENVIRONMENT_MAP", in.environment.any() ? 1 : GiPipelines::absent}});
   auto pass = graph.compute("hbil.trace", pipeline, "Rising horizons: light, bent cone, environment through it");
   pass.params(shared).params(params);
   return add_gather(graph, pass, *pipeline.interface, in, {"hbil.visibility", "hbil.bent", "hbil.gi", "hbil.ambient"});

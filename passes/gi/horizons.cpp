@@ -1,6 +1,4 @@
 // Horizon techniques: hbao (by solid angle) and gtao (by projected solid angle).
-#include <string>
-
 #include "gi/gather.h"
 #include "gi/slices.h"
 
@@ -11,7 +9,7 @@ template <class Params>
 GiResult add_horizons(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
                       const Params& params, const char* file, const char* trace, const GatherNames& names) {
   const gpu::Pipeline pipeline = pipelines.compute(
-      file, {{"GI", GiParams::table(), &shared}, {"HORIZON", Params::table(), &params}}, slice_defines(shared));
+      file, {{"GI", GiParams::table(), &shared}, {"HORIZON", Params::table(), &params}}, {whole_step_exponent(shared)});
   auto pass = graph.compute(trace, pipeline, "The highest sample on each side of screen-space slices");
   pass.params(shared).params(params);
   return add_gather(graph, pass, *pipeline.interface, in, names);
@@ -19,9 +17,9 @@ GiResult add_horizons(graph::Graph& graph, GiPipelines& pipelines, const GiInput
 
 }  // namespace
 
-gpu::Defines slice_defines(const GiParams& shared) {
+GiPipelines::Extra whole_step_exponent(const GiParams& shared) {
   const int whole = int(shared.step_exponent);
-  return {{"STEP_EXPONENT", float(whole) == shared.step_exponent ? std::to_string(whole) : "0"}};
+  return {"STEP_EXPONENT", float(whole) == shared.step_exponent ? whole : 0};
 }
 
 GiResult add_hbao(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& inputs, const GiParams& shared,

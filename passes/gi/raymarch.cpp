@@ -6,11 +6,9 @@ namespace nf::passes {
 
 GiResult add_raymarch(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
                       const RaymarchParams& params) {
-  gpu::Defines defines;
-  if (params.ambient && in.environment.any()) defines.emplace_back("ENVIRONMENT_MAP", "1");
-  const gpu::Pipeline pipeline =
-      pipelines.compute("gi/raymarch.comp",
-                        {{"GI", GiParams::table(), &shared}, {"RAYMARCH", RaymarchParams::table(), &params}}, defines);
+  const gpu::Pipeline pipeline = pipelines.compute(
+      "gi/raymarch.comp", {{"GI", GiParams::table(), &shared}, {"RAYMARCH", RaymarchParams::table(), &params}},
+      {{"ENVIRONMENT_MAP", params.ambient && in.environment.any() ? 1 : GiPipelines::absent}});
   auto pass = graph.compute("raymarch.trace", pipeline, "Rays of the hemisphere through the depth buffer");
   pass.params(shared).params(params);
   return add_gather(graph, pass, *pipeline.interface, in,

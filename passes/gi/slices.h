@@ -18,7 +18,7 @@ GiResult add_vbao(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& i
 GiResult add_vbgi(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& inputs, const GiParams& shared,
                   const VbgiParams& params);
 
-// What else their shaders are compiled for: a whole gi.step_exponent.
-gpu::Defines slice_defines(const GiParams& shared);
+// What else their shaders are compiled for, STEP_EXPONENT: a whole gi.step_exponent, else 0.
+GiPipelines::Extra whole_step_exponent(const GiParams& shared);
 
 }  // namespace nf::passes

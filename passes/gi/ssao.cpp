@@ -6,13 +6,11 @@ namespace nf::passes {
 
 GiResult add_ssao(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
                   const SsaoParams& params) {
-  gpu::Defines defines;
-  if (params.bleed && params.ambient_share > 0) {
-    defines.emplace_back("AMBIENT_BLEED", "1");
-    if (in.environment.any()) defines.emplace_back("ENVIRONMENT_MAP", "1");
-  }
-  const gpu::Pipeline pipeline = pipelines.compute(
-      "gi/ssao.comp", {{"GI", GiParams::table(), &shared}, {"SSAO", SsaoParams::table(), &params}}, defines);
+  const bool ambient = params.bleed && params.ambient_share > 0;
+  const gpu::Pipeline pipeline =
+      pipelines.compute("gi/ssao.comp", {{"GI", GiParams::table(), &shared}, {"SSAO", SsaoParams::table(), &params}},
+                        {{"AMBIENT_BLEED", ambient ? 1 : GiPipelines::absent},
+                         {"ENVIRONMENT_MAP", ambient && in.environment.any() ? 1 : GiPipelines::absent}});
   auto pass =
       graph.compute("ssao.trace", pipeline, "Points in the hemisphere behind what is seen: visibility, bleeding");
   pass.params(shared).params(params);

@@ -6,10 +6,9 @@ namespace nf::passes {
 
 GiResult add_ssdo(graph::Graph& graph, GiPipelines& pipelines, const GiInputs& in, const GiParams& shared,
                   const SsdoParams& params) {
-  gpu::Defines defines;
-  if (params.ambient && in.environment.any()) defines.emplace_back("ENVIRONMENT_MAP", "1");
-  const gpu::Pipeline pipeline = pipelines.compute(
-      "gi/ssdo.comp", {{"GI", GiParams::table(), &shared}, {"SSDO", SsdoParams::table(), &params}}, defines);
+  const gpu::Pipeline pipeline =
+      pipelines.compute("gi/ssdo.comp", {{"GI", GiParams::table(), &shared}, {"SSDO", SsdoParams::table(), &params}},
+                        {{"ENVIRONMENT_MAP", params.ambient && in.environment.any() ? 1 : GiPipelines::absent}});
   auto pass = graph.compute("ssdo.trace", pipeline,
                             "Directions of the hemisphere, blocked or open: visibility, environment, one bounce");
   pass.params(shared).params(params);

@@ -8,12 +8,12 @@ namespace {
 
 // The forms as printed. Algorithm 1 of the visibility-bitmask paper with the post's readings where it is silent: equal
 // angles, widths rounded, slices uniform on the screen, thickness along the receiver's view ray, the emitter's cosine.
-constexpr const char* vbao_paper[] = {"gi.slice_measure=screen", "gi.projection=view_cosine",
-                                      "gi.back_along=receiver_v", "vbao.sector_rule=round",
-                                      "vbao.sector_measure=uniform_angle"};
-constexpr const char* vbgi_paper[] = {"gi.slice_measure=screen",  "gi.projection=view_cosine",
-                                      "gi.back_along=receiver_v", "vbgi.sector_rule=round",
-                                      "vbgi.emitter=cosine",      "vbgi.sector_measure=uniform_angle"};
+constexpr const char* vbao_paper[] = {"gi.slice_measure=screen",  "gi.projection=view_cosine",
+                                      "gi.back_along=receiver_v", "vbao.span=point",
+                                      "vbao.sector_rule=round",   "vbao.sector_measure=uniform_angle"};
+constexpr const char* vbgi_paper[] = {
+    "gi.slice_measure=screen", "gi.projection=view_cosine", "gi.back_along=receiver_v",         "vbgi.span=point",
+    "vbgi.sector_rule=round",  "vbgi.emitter=cosine",       "vbgi.sector_measure=uniform_angle"};
 constexpr const char* gtao_paper[] = {"gi.slice_measure=screen", "gi.projection=view_cosine",
                                       "gi.radius_mode=ball_falloff"};
 constexpr const char* hbao_paper[] = {"gi.slice_measure=screen", "gi.projection=view_cosine", "gi.radius_mode=ball",

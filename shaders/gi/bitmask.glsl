@@ -9,7 +9,7 @@
 #ifndef NF_GI_BITMASK_GLSL
 #define NF_GI_BITMASK_GLSL
 
-#include "gi/march.glsl"
+#include "gi/span.glsl"
 
 #define SECTOR_COUNT (4 << BITMASK_SECTORS)
 #ifndef MASK_WORDS
@@ -27,17 +27,11 @@ const int MEASURE_UNIFORM_ANGLE = 1;
 const int MEASURE_SOLID_ANGLE = 2;
 const int MEASURE_SINE = 3;
 const int MEASURE_FOUR_MASKS = 4;
+const int SPAN_INTERVAL = 0;
 const int EMITTER_ONE_SIDED = 0;
 const int EMITTER_NONE = 1;
 const int EMITTER_COSINE = 2;
 const int EMITTER_HALF_SPACE = 3;
-
-struct Estimate {
-  float visibility;  // 1 = open
-  vec3 bent;         // mean of the open directions, weighted by the measure; view space, not unit
-  vec3 gi;           // irradiance / pi
-  vec3 ambient;      // irradiance / pi of the environment
-};
 
 // --- where a direction lies on the sectors ---
 
@@ -220,18 +214,26 @@ vec2 within_radius(Receiver receiver, Tap tap, Slab slab) {
   return root2 > 0.0f ? vec2(max((-b - root) / a, 0.0f), min((root - b) / a, slab.depth)) : vec2(0.0f);
 }
 
+// Sine of an angle larger by the angular thickness.
+float turned_sine(float s, float cos_turn, float sin_turn) {
+  float c = sqrt(max(1.0f - s * s, 0.0f));
+  return c * cos_turn > s * sin_turn ? s * cos_turn + c * sin_turn : 1.0f;
+}
+
 // Walks from the receiver outwards along one side.
 void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) tally) {
   Steps steps = make_steps();
   float end = sector_position(scale, 1.0f);
   float cos_thickness = cos(radians(gi.thickness_angle));
   float sin_thickness = sin(radians(gi.thickness_angle));
+  float near = step_distance(side, steps, 0.0f);
 
   for (int i = 0; i < steps.count; ++i) {
     Tap tap = take_tap(receiver, side, steps, i);
     Slab slab = make_slab(receiver, side, tap);
     bool hit = tap.depth > 0.0f;
     float weight = 1.0f;
+    float front_depth = 0.0f;
     if (GI_RADIUS_MODE != RADIUS_DISC) {
       vec2 part = within_radius(receiver, tap, slab);
       hit = hit && part.y > part.x;
@@ -239,22 +241,33 @@ void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) t
       tap.s += part.x * slab.s;
       tap.c += part.x * slab.c;
       tap.m += part.x * slab.m;
+      front_depth = part.x;
       slab.depth = part.y - part.x;
       if (GI_RADIUS_MODE == RADIUS_BALL_FALLOFF) weight = radius_weight(receiver, length(tap.towards));
     }
 
-    float front_sine = point_sine(receiver, side, tap.s, tap.c, tap.m, tap.towards);
-    float front = sector_position(scale, front_sine);
-    float back = end;
-    if (GI_THICKNESS_MODE == THICKNESS_ANGULAR) {
-      float cos_front = sqrt(max(1.0f - front_sine * front_sine, 0.0f));
-      float turned = front_sine * cos_thickness + cos_front * sin_thickness;
-      back = sector_position(scale, cos_front * cos_thickness > front_sine * sin_thickness ? turned : 1.0f);
-    } else if (GI_THICKNESS_MODE != THICKNESS_INFINITE) {
-      vec3 through = tap.towards + slab.depth * slab.along;
-      back = sector_position(scale, point_sine(receiver, side, tap.s + slab.depth * slab.s, tap.c + slab.depth * slab.c,
-                                               tap.m + slab.depth * slab.m, through));
+    // Sines of the front, and of the back or, where that is an angle further, of the front before it.
+    float back_depth = GI_THICKNESS_MODE == THICKNESS_ANGULAR ? 0.0f : slab.depth;
+    float front_sine;
+    float back_sine;
+    if (BITMASK_SPAN == SPAN_INTERVAL) {
+      float far = step_distance(side, steps, float(i + 1));
+      Span span = make_span(side, tap, near, far);
+      near = far;
+      back_depth += front_depth;
+      front_sine = span_sine(receiver, side, tap, span,
+                             shows_front(receiver, tap, span, front_depth) ? span.far : span.near, front_depth);
+      back_sine = span_sine(receiver, side, tap, span,
+                            shows_front(receiver, tap, span, back_depth) ? span.near : span.far, back_depth);
+    } else {
+      front_sine = point_sine(receiver, side, tap.s, tap.c, tap.m, tap.towards);
+      vec3 through = tap.towards + back_depth * slab.along;
+      back_sine = point_sine(receiver, side, tap.s + back_depth * slab.s, tap.c + back_depth * slab.c,
+                             tap.m + back_depth * slab.m, through);
     }
+    if (GI_THICKNESS_MODE == THICKNESS_ANGULAR) back_sine = turned_sine(back_sine, cos_thickness, sin_thickness);
+    float front = sector_position(scale, front_sine);
+    float back = GI_THICKNESS_MODE == THICKNESS_INFINITE ? end : sector_position(scale, back_sine);
 
     Range range = sector_range(front, back);
     uint any = 0u;
@@ -325,8 +338,8 @@ void gather_regions(Slice slice, Scale front_scale, Scale back_scale, float weig
 
 // --- the pixel ---
 
-Estimate estimate_bitmask(ivec2 pixel) {
-  Estimate result;
+Gathered estimate_bitmask(ivec2 pixel) {
+  Gathered result;
   result.visibility = 1.0f;
   result.bent = vec3(0.0f);
   result.gi = vec3(0.0f);

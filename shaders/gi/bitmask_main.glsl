@@ -10,29 +10,10 @@ uniform writeonly image2D light;
 #if BITMASK_AMBIENT
 uniform writeonly image2D bent;
 uniform writeonly image2D ambient;
-#ifdef ENVIRONMENT_MAP
-#include "common/environment.glsl"
-const int SOURCE_SH = 0;
-#endif
-
-vec3 environment_from(vec3 direction) {
-#ifdef ENVIRONMENT_MAP
-  vec3 world = mat3(frame.world_from_view) * direction;
-  if (BITMASK_AMBIENT_SOURCE == SOURCE_SH) return environment_smooth_radiance(world);
-  // A lobe about as wide as a region.
-  return environment_lobe(world, bitmask.regions > 6 ? 0.4f : bitmask.regions > 2 ? 0.6f : 0.9f);
-#else
-  return frame.environment;
-#endif
-}
-
-vec3 environment_over(vec3 normal) {
-#ifdef ENVIRONMENT_MAP
-  return environment_irradiance(mat3(frame.world_from_view) * normal);
-#else
-  return frame.environment;
-#endif
-}
+#define AMBIENT_SOURCE BITMASK_AMBIENT_SOURCE
+// A lobe about as wide as a region.
+#define AMBIENT_ROUGHNESS (bitmask.regions > 6 ? 0.4f : bitmask.regions > 2 ? 0.6f : 0.9f)
+#include "gi/environment_from.glsl"
 #endif
 
 #include "gi/bitmask.glsl"
@@ -40,13 +21,13 @@ vec3 environment_over(vec3 normal) {
 void main() {
   ivec2 pixel = dispatch_pixel();
   if (pixel.x >= frame.size.x || pixel.y >= frame.size.y) return;
-  Estimate estimate = estimate_bitmask(pixel);
-  imageStore(visibility, pixel, vec4(estimate.visibility));
+  Gathered gathered = estimate_bitmask(pixel);
+  imageStore(visibility, pixel, vec4(gathered.visibility));
 #if BITMASK_LIGHT
-  imageStore(light, pixel, vec4(estimate.gi, 1.0f));
+  imageStore(light, pixel, vec4(gathered.gi, 1.0f));
 #endif
 #if BITMASK_AMBIENT
-  imageStore(bent, pixel, vec4(estimate.bent, 0.0f));
-  imageStore(ambient, pixel, vec4(estimate.ambient, 1.0f));
+  imageStore(bent, pixel, vec4(gathered.bent, 0.0f));
+  imageStore(ambient, pixel, vec4(gathered.ambient, 1.0f));
 #endif
 }

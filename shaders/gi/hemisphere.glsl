@@ -5,14 +5,6 @@
 
 #include "gi/march.glsl"
 
-// What a pixel gathers.
-struct Gathered {
-  float visibility;  // 1 = open
-  vec3 bent;         // mean of the open directions; view space, not unit
-  vec3 gi;           // irradiance / pi
-  vec3 ambient;      // irradiance / pi of the environment
-};
-
 // The surface seen in the texel where a point lies.
 struct Probe {
   ivec2 texel;

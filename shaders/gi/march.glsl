@@ -24,6 +24,14 @@ const int THICKNESS_ANGULAR = 2;
 const int THICKNESS_INFINITE = 3;
 const int BACK_SAMPLE_RAY = 0;
 
+// What a pixel gathers.
+struct Gathered {
+  float visibility;  // 1 = open
+  vec3 bent;         // mean of the open directions, weighted by the measure; view space, not unit
+  vec3 gi;           // irradiance / pi
+  vec3 ambient;      // irradiance / pi of the environment
+};
+
 struct Receiver {
   ivec2 pixel;
   float depth;   // 0: background
@@ -44,6 +52,8 @@ struct Side {
   vec2 c_offset;   // projection onto normal / |n_p|
   float c_depth;
   vec2 m_offset;   // projection onto the slice's normal / |n_p|: 0 along the receiver's ray
+  float s_step;    // of a pixel along the side
+  float c_step;
   float sin_gamma;
   float cos_gamma;
 };
@@ -104,6 +114,8 @@ Side make_side(Receiver receiver, Slice slice, vec3 direction, float sign) {
   side.c_offset = vec2(lift.x, lift.y) * frame.ray_scale;
   side.c_depth = dot(receiver.ray, lift);
   side.m_offset = vec2(beside.x, beside.y) * frame.ray_scale;
+  side.s_step = dot(side.direction, side.s_offset);
+  side.c_step = dot(side.direction, side.c_offset);
   side.sin_gamma = slice.sin_gamma;
   side.cos_gamma = slice.cos_gamma;
   return side;
@@ -142,10 +154,14 @@ Steps make_steps() {
   return steps;
 }
 
+// Pixels from the receiver to a share of the steps. Not nearer than one pixel: the nearest texel is then never the receiver.
+float step_distance(Side side, Steps steps, float step_number) {
+  return 1.0f + (side.pixels - 1.0f) * step_share(step_number * steps.scale, steps.parts);
+}
+
 Tap take_tap(Receiver receiver, Side side, Steps steps, int i) {
-  float x = (float(i) + steps.base + (GI_STEP_JITTER != 0 ? rotated(side.noise, i) : 0.0f)) * steps.scale;
-  // Not nearer than one pixel: the nearest texel is then never the receiver.
-  float distance_in_pixels = 1.0f + (side.pixels - 1.0f) * step_share(x, steps.parts);
+  float distance_in_pixels = step_distance(
+      side, steps, float(i) + steps.base + (GI_STEP_JITTER != 0 ? rotated(side.noise, i) : 0.0f));
   Tap tap;
   tap.offset = floor(side.direction * distance_in_pixels + 0.5f);
   tap.texel = receiver.pixel + ivec2(tap.offset);
