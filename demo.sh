@@ -30,4 +30,4 @@ picture=build/release/demo/atrium.png
 build/release/nearfield render build/release/content/atrium.glb --view build/release/content/atrium.json -o "$picture" \
   --size 640x360 --frames 24 --accumulate --set gi.slices=2 --set tonemap.exposure_ev=0.5
 say "The picture is $PWD/$picture"
-say "See README.md for more to try; ./test.sh runs the tests."
+say "build/release/nearfield opens the editor in a window; README.md has more to try; ./test.sh runs the tests."
