@@ -56,7 +56,8 @@ check_clang() {
   cmake --build build/clang --target nearfield
 }
 
-# Only the executables whose tests are labelled `cpu`: what a driver allocates is not ours to check.
+# Only the executables whose tests are labelled `cpu`: what a driver allocates is not ours to check, and the program (label
+# `cpu.editor`) would take longer to build than all the rest.
 check_sanitizers() {
   configure asan || return
   local file targets=(nearfield_scenes)
