@@ -106,6 +106,15 @@ const Action table[] = {
        e.picking.asked = e.picking.locked = true;
        e.preferences.right_tab = "Pixel";
      }},
+    {"view.inspect", "View", "Slice inspector", "i", "The picked pixel's samples, slices and sectors, one by one",
+     [](Editor& e) {
+       e.slices.on = !e.slices.on;
+       if (e.slices.on) e.preferences.right_tab = "Slices";
+     }},
+    {"slices.next", "", "Next slice", "right", "Of the slice inspector", [](Editor& e) { step_slice(e, 1); }},
+    {"slices.previous", "", "Previous slice", "left", "Of the slice inspector", [](Editor& e) { step_slice(e, -1); }},
+    {"slices.more", "", "One more sample", "up", "Of the slice inspector", [](Editor& e) { step_sample(e, 1); }},
+    {"slices.fewer", "", "One sample less", "down", "Of the slice inspector", [](Editor& e) { step_sample(e, -1); }},
     {"view.graph", "View", "Frame graph", "g", "Passes against resources",
      [](Editor& e) { e.preferences.bottom_tab = "Graph"; }},
     {"view.frame", "View", "Frame the scene", "f", "The camera sees all of it",

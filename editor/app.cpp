@@ -223,10 +223,18 @@ void App::ask() {
   const float scale =
       moving ? std::min(e_.preferences.moving_scale, e_.preferences.render_scale) : e_.preferences.render_scale;
   const glm::uvec2 size = glm::max(glm::uvec2(glm::round(glm::vec2(v.width, v.height) * scale)), 1u);
+  SliceView& s = e_.slices;
+  if (e_.picking.locked && e_.picking.pixel != s.picked && e_.picture.size.x > 0) {
+    s.picked = e_.picking.pixel;
+    s.at = (glm::vec2(s.picked) + 0.5f) / glm::vec2(e_.picture.size);
+  }
+  if (!s.on) s.seen.reset();
+  const std::optional<glm::uvec2> inspect =
+      s.on && !s.frozen ? std::optional(glm::min(glm::uvec2(s.at * glm::vec2(size)), size - 1u)) : std::nullopt;
   if (settings || lights || seed) ++w.history;
   if (lights) ++w.lights_revision;
   if (settings || lights || seed || e_.view.moved || size != w.size || v.layer != w.layer ||
-      e_.texture_asked != w.probe || (e_.reference.on && w.compared != e_.reference.layer))
+      e_.texture_asked != w.probe || inspect != w.inspect || (e_.reference.on && w.compared != e_.reference.layer))
     ++w.revision;
   e_.view.moved = false;
   if (w.revision != e_.shown_revision) e_.frames_since_change = e_.settled = 0;
@@ -239,6 +247,7 @@ void App::ask() {
   w.moving = moving;
   w.settle = uint32_t(e_.preferences.settle);
   w.probe = e_.texture_asked;
+  w.inspect = inspect;
   w.compared = e_.reference.on ? std::optional(e_.reference.layer) : std::nullopt;
   if (e_.picking.asked) {
     e_.picking.asked = false;

@@ -121,6 +121,13 @@ void write_captures(Editor& e, std::span<const std::byte> window_texels, bool va
       toast(e, "written: " + path);
     }
     if (std::exchange(e.capture_asked, false)) capture_timings(e, validation);
+    if (std::exchange(e.slices.save_asked, false) && e.slices.seen) {
+      json document = to_json(*e.slices.seen);
+      document["params"] = params::to_json(e.document.settings.blocks());
+      const std::string path = new_file(fmt::format("inspection-{}.json", file_time()));
+      write_atomically(path, document.dump(1) + "\n");
+      toast(e, "written: " + path);
+    }
     if (std::exchange(e.save_layers, false))
       e.outbox.push_back({live::CommandKind::SaveLayers, new_file(fmt::format("layers-{}.exr", file_time())), {}, {}});
     if (!e.save_texture.empty()) {

@@ -13,6 +13,7 @@
 #include "live/published.h"
 #include "live_reference.h"
 #include "preset.h"
+#include "slice_view.h"
 #include "ui/input.h"
 #include "ui/renderer.h"
 
@@ -117,6 +118,7 @@ struct Editor {
   Viewport viewport;
   TimingHistory timings;
   TextureView texture;
+  SliceView slices;
   Picking picking;
   ReferenceView reference;
   Preferences preferences;
@@ -158,7 +160,6 @@ struct Editor {
   std::optional<live::ProbeWanted> texture_asked;
   bool capture_asked = false, save_layers = false, copy_command = false, fullscreen_asked = false;
   uint64_t picture_hash = 0;
-  void (*draw_samples)(Editor&, float x, float y, float width, float height) = nullptr;
   bool rebuild_fonts = false, screenshot_viewport = false, screenshot_window = false;
   double now = 0, last_change = -10, last_input = 0, green_flash = -10;
   std::string flash_text;

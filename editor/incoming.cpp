@@ -101,6 +101,7 @@ void take_frame(Editor& e, live::Published&& frame) {
     if (!frame.graph->diff.empty()) e.plan_diff = frame.graph->diff;
     e.graph = std::move(*frame.graph);
   }
+  if (frame.inspected && e.slices.on && !e.slices.frozen) e.slices.seen = std::move(frame.inspected);
   if (frame.picked) e.picking.values = std::move(*frame.picked);
   if (!e.texture.frozen) {
     e.texture.error = frame.probe_error;

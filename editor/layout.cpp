@@ -20,6 +20,7 @@ struct Tab {
   void (*draw)(Editor&);
 };
 constexpr Tab right_tabs[] = {{"Pixel", draw_pixel_panel},
+                              {"Slices", draw_slices_panel},
                               {"Texture", draw_texture_panel},
                               {"Scene", draw_scene_panel},
                               {"Reference", draw_reference_panel}};

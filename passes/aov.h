@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "gi/inspect.h"
 #include "lighting.h"
 #include "nan_scan.h"
 
@@ -19,8 +20,9 @@ struct FrameOutputs {
   // 1x1 RGBA32F, where the stage is on. Feedback: x / y is the loop's gain, light fed back per light gathered from. The
   // firefly clamp: y / (x + y) is the share of the light that it took.
   graph::Tex loop_energy, clamped_energy;
-  NanScan nan_scan;      // debug.nan_scan
-  glm::ivec2 border{0};  // pixels of overscan on each side that all but `lit` still have
+  NanScan nan_scan;           // debug.nan_scan
+  InspectRequest inspection;  // FrameView::inspect; its records are to be read back
+  glm::ivec2 border{0};       // pixels of overscan on each side that all but `lit` still have
 };
 
 struct Aov {

@@ -39,7 +39,7 @@ std::vector<const ParamTable*> inner_tables() {
           &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table(),   &ReprojectBlock::table(),
           &TemporalBlock::table(),  &DenoiseBlock::table(),     &TaaBlock::table(),      &SplitBlock::table(),
           &UpsampleBlock::table(),  &CropBlock::table(),        &FeedbackBlock::table(), &FeedbackMergeBlock::table(),
-          &MarcherBlock::table(),   &NanScanBlock::table()};
+          &MarcherBlock::table(),   &NanScanBlock::table(),     &InspectBlock::table()};
 }
 
 gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,
@@ -146,10 +146,21 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
   }
   const PixelGrid grid =
       settings.reconstruct ? make_grid(settings.resolution.gi, view.frame_index, averaged) : PixelGrid{};
+  size_t small_picture = 0, inspected_picture = 0;
+  if (view.inspect) {
+    const glm::ivec2 pixel = glm::ivec2(glm::min(*view.inspect, asked.size - 1u));
+    for (size_t i = 0; i < grid.offsets.size(); ++i)
+      if ((pixel + out.border - grid.offsets[i]) % grid.factor == glm::ivec2(0)) inspected_picture = i;
+    out.inspection = make_inspect_request(settings.gi, pixel, glm::ivec2(view.size), grid.factor,
+                                          grid.offsets[inspected_picture], out.border);
+  }
   out.gi_raw = add_at_resolution(
       graph, *pipelines_, frame, grid, out.gbuffer, out.direct, settings.resolution,
       [&](const GBuffer& gbuffer, const Radiance& radiance) {
-        return settings.technique->add(graph, *gi_, {gbuffer, radiance, environment_, *noise_}, settings.gi);
+        const bool inspect = view.inspect && small_picture++ == inspected_picture;
+        gi_->inspect(inspect);
+        return settings.technique->add(
+            graph, *gi_, {gbuffer, radiance, environment_, *noise_, inspect ? &out.inspection : nullptr}, settings.gi);
       });
   out.gi = out.gi_raw;
   if (settings.reconstruct) {

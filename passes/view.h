@@ -1,6 +1,8 @@
 // One frame's cameras as the uniform block `frame` that every shader can read.
 #pragma once
 
+#include <optional>
+
 #include "core/params.h"
 #include "scene/scene.h"
 
@@ -35,6 +37,8 @@ struct FrameView {
   glm::vec2 jitter{0}, previous_jitter{0};  // pixels
   // Whether someone averages the frames: else sampling noise is the same in each, unless reconstruction averages them.
   bool averaged = true;
+  // Whose samples the technique shall tell, one by one (FrameOutputs::inspection).
+  std::optional<glm::uvec2> inspect;
 };
 
 // A constant environment's radiance comes from the scene.

@@ -62,6 +62,33 @@ TEST_F(GuiTest, ABrokenShaderIsShownAndThePictureGoesOn) {
              {"NEARFIELD_DATA_DIR=" + data.string()}));
 }
 
+// The records that the window exports, summed here: what the shader has, bit by bit.
+TEST_F(GuiTest, ThePixelTakenApartAddsUp) {
+  const std::filesystem::path before = std::filesystem::current_path(), work = base_ / "work";
+  std::filesystem::current_path(work);
+  const Outcome played = play(script_text("slices.jsonl"));
+  std::filesystem::current_path(before);
+  ASSERT_EQ(played.code, 0) << played.err;
+  std::filesystem::path written;
+  for (const auto& entry : std::filesystem::directory_iterator(work / "captures")) written = entry.path();
+  const nlohmann::json seen = nlohmann::json::parse(bytes_of(written));
+  EXPECT_EQ(seen["schema"], "nearfield.inspection/1");
+  double visibility = 0, gi = 0, bits = 0, taken = 0;
+  for (const auto& slice : seen["slices"]) visibility += slice["base"].get<double>();
+  for (const auto& sample : seen["samples"]) {
+    const double factor = seen["slices"][sample["slice"].get<size_t>()]["factor"];
+    visibility -= factor * sample["taken"].get<double>();
+    gi += factor * sample["light"][0].get<double>();
+    taken += sample["taken"].get<double>();
+    bits += __builtin_popcountll(std::stoull(sample["fresh"].get<std::string>(), nullptr, 16));
+  }
+  const double shader = seen["shader"]["visibility"], light = seen["shader"]["gi"][0];
+  EXPECT_LT(shader, 0.98) << "a pixel that sees something";
+  EXPECT_NEAR(visibility, shader, 0.01 * shader);
+  EXPECT_NEAR(gi, light, 0.01 * light + 1e-5);
+  EXPECT_EQ(bits, taken) << "each new sector counts once";
+}
+
 TEST_F(GuiTest, AFailedExpectationFails) {
   const Outcome outcome = play("{\"wait\": \"scene_frames >= 1\"}\n{\"expect\": \"technique == gtao\"}\n");
   EXPECT_EQ(outcome.code, 1);

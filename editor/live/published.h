@@ -81,6 +81,16 @@ struct Pixels {
   std::string name, note;
 };
 
+// A pixel taken apart by the technique.
+struct Inspected {
+  std::string technique;
+  uint64_t frame = 0;
+  glm::uvec2 size{0};    // of the picture
+  float vfov = 1;        // of its camera
+  bool possible = true;  // false: the technique tells nothing of its samples
+  passes::Inspection data;
+};
+
 // One frame. Members are moved out by whoever takes it.
 struct Published {
   uint64_t number = 0;    // frames since the start
@@ -98,6 +108,7 @@ struct Published {
   std::string probe_error;
   std::optional<Pixels> compared;
   std::vector<std::string> not_finite;  // debug.nan_scan: images with NaN or infinite texels, and where
+  std::optional<Inspected> inspected;
   uint32_t draws = 0;
 };
 

@@ -44,6 +44,7 @@ struct Wanted {
   uint64_t pick_serial = 0;  // grows: read every layer at `pick`
   glm::uvec2 pick{0};        // pixel of `size`
   std::optional<ProbeWanted> probe;
+  std::optional<glm::uvec2> inspect;  // pixel of `size` that the technique takes apart, with each frame
   // A layer to be held against the reference, with each frame: its floats come along.
   std::optional<std::string> compared;
 };

@@ -193,6 +193,7 @@ Published Worker::Engine::frame(const Wanted& wanted) {
   view.seed = wanted.seed;
   view.averaged = false;
   view.camera = wanted.camera;
+  view.inspect = wanted.inspect;
   move(wanted, anew);
 
   graph::Graph built(renderer->executor().histories());
@@ -214,6 +215,15 @@ Published Worker::Engine::frame(const Wanted& wanted) {
   std::vector<const passes::Aov*> picked;
   if (wanted.pick_serial != pick || !save_layers.empty()) pick_layers(built, outputs, picked);
   if (wanted.probe) out.probe_error = look_at(built, *wanted.probe);
+  if (wanted.inspect) {
+    out.inspected = Inspected{.technique = wanted.settings.technique->id,
+                              .frame = number + 1,
+                              .size = view.size,
+                              .vfov = view.camera.vfov,
+                              .possible = bool(outputs.inspection.records),
+                              .data = {}};
+    if (outputs.inspection.records) built.readback("readback.inspection", outputs.inspection.records);
+  }
 
   renderer->executor().run(built);
   const graph::FrameResult result = renderer->executor().finish();
@@ -269,6 +279,8 @@ Published Worker::Engine::frame(const Wanted& wanted) {
                                                image.first.y));
     } else if (name == "readback.compared") {
       out.compared = to_pixels(to_layer(*compared, readback));
+    } else if (name == "readback.inspection") {
+      out.inspected->data = passes::read_inspection(outputs.inspection, readback);
     } else if (name == "readback.probe") {
       out.probe = to_pixels(readback, wanted.probe->resource);
     } else if (name == "readback.picture" && !layer_texels) {

@@ -15,8 +15,12 @@ void draw_pixel_panel(Editor& editor);
 void draw_texture_panel(Editor& editor);
 void draw_scene_panel(Editor& editor);
 void draw_reference_panel(Editor& editor);
+void draw_slices_panel(Editor& editor);
 void draw_help(Editor& editor);
 void draw_dialogs(Editor& editor);
+
+// The inspected pixel's samples and slices over the picture, which has these window pixels.
+void draw_samples(Editor& editor, float x, float y, float width, float height);
 
 // The controls under a picture of floats: channel, range, false colours.
 void draw_look(const std::string& id, ui::PictureLook& look, bool& auto_range, bool floats);

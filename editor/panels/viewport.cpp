@@ -276,7 +276,7 @@ void draw_viewport(Editor& editor) {
   control_camera(editor, active);
   draw_picture(editor, low, size);
   draw_overlay(editor, low, size);
-  if (editor.draw_samples) editor.draw_samples(editor, low.x, low.y, size.x, size.y);
+  draw_samples(editor, low.x, low.y, size.x, size.y);
   draw_banner(editor, low, size);
 }
 

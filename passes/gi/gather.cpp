@@ -31,6 +31,11 @@ GiResult add_gather(graph::Graph& graph, graph::PassBuilder& pass, const gpu::Sh
   feed("material", in.gbuffer.material);
   feed_environment(graph, pass, interface, in.environment);
   in.noise.feed(graph, pass, interface);
+  if (in.inspect && interface.find("inspection")) {
+    const InspectBlock& block = in.inspect->block;
+    in.inspect->records = graph.optional(graph.buffer("inspection", inspection_bytes(block)));
+    pass.out("inspection", in.inspect->records).params(block);
+  }
   pass.over(out.visibility);
   return out;
 }

@@ -35,9 +35,12 @@ gpu::Pipeline GiPipelines::compute(const char* file, std::initializer_list<Choic
     for (const Param& param : c.table.params)
       if (is_choice(param)) values_.push_back(int32_t(params::get(c.table, c.data, param)));
   for (const Extra& extra : extras) values_.push_back(extra.value);
+  values_.push_back(inspect_);
   for (const Row& row : rows_)
     if (row.file == file && row.values == values_) return row.pipeline;
-  rows_.push_back({file, values_, pipelines_.compute(file, defines(choices, extras))});
+  gpu::Defines all = defines(choices, extras);
+  if (inspect_) all.emplace_back("INSPECT", "1");
+  rows_.push_back({file, values_, pipelines_.compute(file, all)});
   return rows_.back().pipeline;
 }
 

@@ -6,6 +6,7 @@
 
 #include "environment.h"
 #include "gbuffer.h"
+#include "gi/inspect.h"
 #include "lighting.h"
 #include "noise.h"
 
@@ -16,6 +17,7 @@ struct GiInputs {
   const Radiance& radiance;  // .radiance is what the technique gathers
   const EnvironmentMaps& environment;
   Noise& noise;
+  InspectRequest* inspect = nullptr;  // where a pixel's records are wanted; filled in
 };
 
 // Pipelines of the techniques' shaders, one for each combination of choices that was used: every Choice and Bool of the
@@ -30,6 +32,8 @@ class GiPipelines {
     const ParamTable& table;
     const void* data;
   };
+  // From here on shaders are those that write the records of a pixel (INSPECT), or those that do not.
+  void inspect(bool on) { inspect_ = on; }
   // Another constant; one that is absent is not defined.
   struct Extra {
     const char* name;
@@ -50,6 +54,7 @@ class GiPipelines {
   gpu::Pipelines& pipelines_;
   std::vector<Row> rows_;
   std::vector<int32_t> values_;  // scratch
+  bool inspect_ = false;
 };
 
 }  // namespace nf::passes

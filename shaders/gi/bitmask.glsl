@@ -16,6 +16,7 @@
 #define MASK_WORDS ((SECTOR_COUNT + 31) / 32)
 #endif
 #include "common/sectors.glsl"
+#include "gi/inspect.glsl"
 
 // The choices, in the order of bitmask_params.h.
 const int RULE_JITTER = 0;
@@ -273,6 +274,7 @@ void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) t
     uint any = 0u;
     float fresh_worth = 0.0f;
     float lit_worth = 0.0f;
+    INSPECT_TALLY(tally);
     for (int word = 0; word < MASK_WORDS; ++word) {
       uint fresh = hit ? range_word(range, word) & ~tally.covered.words[word] : 0u;
       tally.covered.words[word] |= fresh;
@@ -290,6 +292,7 @@ void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) t
     if (any != 0u)
       tally.light += weight * (BITMASK_EMITTER == EMITTER_HALF_SPACE ? lit_worth : fresh_worth) * texel_light(receiver, tap);
 #endif
+    INSPECT_BITS(i, tap, hit, front, back, weight, tally);
   }
 }
 
@@ -346,6 +349,7 @@ Gathered estimate_bitmask(ivec2 pixel) {
   result.ambient = vec3(0.0f);
   Receiver receiver = make_receiver(pixel);
   if (receiver.depth <= 0.0f) return result;
+  INSPECT_RECEIVER(receiver);
 
 #if BITMASK_AMBIENT
   if (from_open_hemisphere()) {
@@ -374,6 +378,7 @@ Gathered estimate_bitmask(ivec2 pixel) {
       float sign = back_side == 0 ? 1.0f : -1.0f;
       Side side = make_side(receiver, slice, direction, sign);
       side.noise = rotated(noise.y, step_index(2 * i + back_side, 0, gi.steps));
+      INSPECT_SIDE(i, back_side, side);
       if (side.pixels >= 1.0f) walk(receiver, slice, side, make_scale(slice, total, sign, sector_noise), tally);
       slice = mirror(slice);
     }
@@ -388,6 +393,10 @@ Gathered estimate_bitmask(ivec2 pixel) {
     if (GI_RADIUS_MODE != RADIUS_BALL_FALLOFF) tally.worth = covered;
     result.visibility -= weight * tally.worth / (float(slices) * float(SECTOR_COUNT));
     result.gi += weight / (float(slices) * float(SECTOR_COUNT)) * tally.light;
+    INSPECT_SLICE(weight / (float(slices) * float(SECTOR_COUNT)),
+                  (GI_SLICE_MEASURE == SLICES_SCREEN ? weight : 1.0f) / float(slices), weight, total, slice, direction);
+    INSPECT_POSITIONS(slice, make_scale(slice, total, 1.0f, sector_noise),
+                      make_scale(mirror(slice), total, -1.0f, sector_noise));
 #if BITMASK_AMBIENT
     // Of occluders that count for less, all regions alike get their slice's share.
     float part = from_open_hemisphere() && covered > 0.0f ? tally.worth / covered : 1.0f;

@@ -21,7 +21,9 @@ uniform writeonly image2D ambient;
 void main() {
   ivec2 pixel = dispatch_pixel();
   if (pixel.x >= frame.size.x || pixel.y >= frame.size.y) return;
+  INSPECT_BEGIN(pixel);
   Gathered gathered = estimate_bitmask(pixel);
+  INSPECT_END(SECTOR_COUNT, gathered.visibility, gathered.gi);
   imageStore(visibility, pixel, vec4(gathered.visibility));
 #if BITMASK_LIGHT
   imageStore(light, pixel, vec4(gathered.gi, 1.0f));

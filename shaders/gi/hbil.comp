@@ -32,7 +32,9 @@ vec3 environment_cone(vec3 direction, float cone, float ao) {
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (pixel.x >= frame.size.x || pixel.y >= frame.size.y) return;
+  INSPECT_BEGIN(pixel);
   Lit lit = estimate_hbil(pixel);
+  INSPECT_END(0, lit.visibility, lit.gi);
   imageStore(visibility, pixel, vec4(lit.visibility));
   imageStore(light, pixel, vec4(lit.gi, 1.0f));
   imageStore(bent, pixel, vec4(lit.bent, lit.cone));

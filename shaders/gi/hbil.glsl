@@ -5,6 +5,7 @@
 #ifndef NF_GI_HBIL_GLSL
 #define NF_GI_HBIL_GLSL
 
+#include "gi/inspect.glsl"
 #include "gi/march.glsl"
 
 const int SPACE_SHARED = 0;
@@ -96,6 +97,7 @@ void shared_side(Receiver receiver, Slice slice, Side side, float total, float w
   vec3 running = unpack_rgb9e5(FETCH_RADIANCE(receiver.pixel));
   for (int i = 0; i < steps.count && side.pixels >= 1.0f; ++i) {
     Tap tap = take_tap(receiver, side, steps, i);
+    INSPECT_HORIZON(horizon, covered, light);
     float s = tap.depth > 0.0f ? side_sine(tap.s, tap.c, tap.m, side.sin_gamma) : 1.0f;
     if (s < horizon) {
       running = sample_light(tap, running);
@@ -104,6 +106,7 @@ void shared_side(Receiver receiver, Slice slice, Side side, float total, float w
       covered = share;
       horizon = s;
     }
+    INSPECT_RAISED(i, tap, false, horizon, s, covered - inspect_horizon.y, light - inspect_light);
   }
   float c = sqrt(max(1.0f - horizon * horizon, 0.0f));
   vec2 open = slice_moment(slice, horizon, c);
@@ -122,9 +125,12 @@ void shared_slice(Receiver receiver, vec3 noise, int index, float share, INOUT(S
   for (int back_side = 0; back_side < 2; ++back_side) {
     Side side = make_side(receiver, slice, direction, back_side == 0 ? 1.0f : -1.0f);
     side.noise = rotated(noise.y, step_index(2 * index + back_side, 0, gi.steps));
+    INSPECT_SIDE(index, back_side, side);
     shared_side(receiver, slice, side, total, weight, sums);
     slice = mirror(slice);
   }
+  INSPECT_SLICE(weight * slice.n_length * slice_total(slice.cos_gamma, slice.sin_gamma, slice_k_exact(slice.sin_gamma)), share,
+                weight, total, slice, direction);
 }
 
 // --- the paper's own space (sections 1.1 to 1.3) ---
@@ -138,6 +144,7 @@ float local_side(Receiver receiver, Side side, vec2 n, float start, float share,
   for (int i = 0; i < steps.count && side.pixels >= 1.0f; ++i) {
     Tap tap = take_tap(receiver, side, steps, i);
     float cosine = dot(tap.towards, receiver.v) * inversesqrt(dot(tap.towards, tap.towards) + 1e-30f);
+    INSPECT_HORIZON(theta, 0.0f, sums.gi);
     if (tap.depth > 0.0f && cosine > highest) {
       running = sample_light(tap, running);
       float risen = acos(min(cosine, 1.0f));
@@ -145,6 +152,10 @@ float local_side(Receiver receiver, Side side, vec2 n, float start, float share,
       highest = cosine;
       theta = risen;
     }
+    INSPECT_RAISED(i, tap, false, sin(theta), sqrt(max(1.0f - cosine * cosine, 0.0f)),
+                   horizon_increment(HBIL_PRINTED_SIGN != 0 && inspect_side == 1 ? vec2(-n.x, n.y) : n, theta,
+                                     inspect_horizon.x),
+                   (sums.gi - inspect_light) / share);
   }
   return theta;
 }
@@ -161,13 +172,19 @@ void local_slice(Receiver receiver, vec3 noise, int index, float share, INOUT(Su
   float start = t * inversesqrt(1.0f + t * t);
   Side side = make_side(receiver, make_slice(receiver.v, receiver.normal, on_screen), on_screen, 1.0f);
   side.noise = rotated(noise.y, step_index(2 * index, 0, gi.steps));
+  INSPECT_SIDE(index, 0, side);
   float front = local_side(receiver, side, n, start, share, sums);
   side.direction = -side.direction;
   side.pixels = march_length(receiver, on_screen, side.direction);
   side.noise = rotated(noise.y, step_index(2 * index + 1, 0, gi.steps));
+  INSPECT_SIDE(index, 1, side);
   float back = -local_side(receiver, side, vec2(-n.x, n.y), -start, share, sums);
   vec2 open = open_slice(back, front, HBIL_PRINTED_SIGN != 0);
   sums.cosine_ao += share * dot(n, open);
+  INSPECT_LOCAL_SLICE(share,
+                      share * dot(n, open_slice(-acos(clamp(-start, -1.0f, 1.0f)), acos(clamp(start, -1.0f, 1.0f)),
+                                                HBIL_PRINTED_SIGN != 0)),
+                      on_screen, d, receiver.v);
   sums.uniform_ao += share * (1.0f - 0.5f * (cos(front) + cos(back)));
   sums.bent += share * (d * open.x + receiver.v * open.y);
 }
@@ -183,6 +200,7 @@ Lit estimate_hbil(ivec2 pixel) {
   result.ambient = vec3(0.0f);
   Receiver receiver = make_receiver(pixel);
   if (receiver.depth <= 0.0f) return result;
+  INSPECT_RECEIVER(receiver);
 
   vec3 noise = sampling_noise(pixel, frame.frame_index, frame.seed);
   Sums sums;

@@ -5,6 +5,7 @@
 #ifndef NF_GI_HORIZON_GLSL
 #define NF_GI_HORIZON_GLSL
 
+#include "gi/inspect.glsl"
 #include "gi/march.glsl"
 
 const int FALLOFF_QUADRATIC = 1;
@@ -48,6 +49,7 @@ Horizon find_horizon(Receiver receiver, Slice slice, Side side, float total) {
   float covered_share = start;
   for (int i = 0; i < steps.count; ++i) {
     Tap tap = take_tap(receiver, side, steps, i);
+    INSPECT_HORIZON(found.s, found.covered, vec3(0.0f));
     float s = tap.depth > 0.0f ? side_sine(tap.s, tap.c, tap.m, side.sin_gamma) : 1.0f;
     if (GI_RADIUS_MODE == RADIUS_BALL && HORIZON_FALLOFF != FALLOFF_QUADRATIC)
       s = dot(tap.towards, tap.towards) < receiver.radius * receiver.radius ? s : 1.0f;
@@ -60,6 +62,10 @@ Horizon find_horizon(Receiver receiver, Slice slice, Side side, float total) {
     } else {
       found.s = s < found.s ? s : mix(found.s, min(s, cos(radians(horizon.bias))), lowering);
     }
+    INSPECT_RAISED(i, tap, INSPECT_OUTSIDE_RADIUS(tap), found.s, s,
+                   weighted() ? found.covered - inspect_horizon.y
+                              : share_beyond(slice, total, found.s) - share_beyond(slice, total, inspect_horizon.x),
+                   vec3(0.0f));
   }
   if (!weighted()) found.covered = share_beyond(slice, total, found.s) - start;
   return found;
@@ -76,10 +82,16 @@ Horizon find_view_horizon(Receiver receiver, Slice slice, Side side, float total
   float highest = lowest;
   for (int i = 0; i < steps.count; ++i) {
     Tap tap = take_tap(receiver, side, steps, i);
+    INSPECT_HORIZON(min(view_sine(highest, side.sin_gamma, side.cos_gamma), bias_s), 0.0f, vec3(0.0f));
     float cosine = view_cosine(receiver, tap.towards);
     if (weighted() || GI_RADIUS_MODE == RADIUS_BALL) cosine = mix(lowest, cosine, occluder_weight(receiver, tap.towards));
     cosine = tap.depth > 0.0f ? cosine : lowest;
     highest = cosine > highest ? cosine : mix(highest, max(cosine, lowest), lowering);
+    INSPECT_RAISED(i, tap, INSPECT_OUTSIDE_RADIUS(tap), min(view_sine(highest, side.sin_gamma, side.cos_gamma), bias_s),
+                   view_sine(cosine, side.sin_gamma, side.cos_gamma),
+                   share_beyond(slice, total, min(view_sine(highest, side.sin_gamma, side.cos_gamma), bias_s)) -
+                       share_beyond(slice, total, inspect_horizon.x),
+                   vec3(0.0f));
   }
   Horizon found;
   found.s = min(view_sine(highest, side.sin_gamma, side.cos_gamma), bias_s);
@@ -110,6 +122,7 @@ Openness estimate_horizons(ivec2 pixel) {
   result.bent = vec3(0.0f);
   Receiver receiver = make_receiver(pixel);
   if (receiver.depth <= 0.0f) return result;
+  INSPECT_RECEIVER(receiver);
 
   vec3 noise = sampling_noise(pixel, frame.frame_index, frame.seed);
   int slices = gi.slices;
@@ -128,6 +141,7 @@ Openness estimate_horizons(ivec2 pixel) {
       Horizon found;
       found.s = 1.0f;
       found.covered = 0.0f;
+      INSPECT_SIDE(i, back_side, side);
       if (side.pixels >= 1.0f) {
         if (GI_PROJECTION == PROJECTION_VIEW_COSINE)
           found = find_view_horizon(receiver, slice, side, total);
@@ -141,6 +155,9 @@ Openness estimate_horizons(ivec2 pixel) {
 #endif
       slice = mirror(slice);
     }
+    INSPECT_SLICE(weight * measure / float(slices),
+                  (GI_SLICE_MEASURE == SLICES_SCREEN ? weight * measure : 1.0f) / float(slices), weight, total, slice,
+                  direction);
   }
   // As in gi/bitmask.glsl: the weights have the mean 1, except for slices uniform on the screen.
   if (GI_SLICE_MEASURE == SLICES_SCREEN) result.visibility += weights / float(slices) - 1.0f;

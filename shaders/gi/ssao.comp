@@ -39,7 +39,9 @@ vec3 ambient_of(ivec2 texel) { return vec3(0.0f); }
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (pixel.x >= frame.size.x || pixel.y >= frame.size.y) return;
+  INSPECT_BEGIN(pixel);
   Gathered gathered = estimate_ssao(pixel);
+  INSPECT_END(-1, gathered.visibility, gathered.gi);
   imageStore(visibility, pixel, vec4(gathered.visibility));
 #if SSAO_BLEED
   imageStore(light, pixel, vec4(gathered.gi, 1.0f));

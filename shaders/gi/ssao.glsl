@@ -6,6 +6,7 @@
 #define NF_GI_SSAO_GLSL
 
 #include "gi/hemisphere.glsl"
+#include "gi/inspect.glsl"
 
 const int KERNEL_COSINE = 0;
 const int RANGE_NONE = 0;
@@ -62,6 +63,7 @@ Gathered estimate_ssao(ivec2 pixel) {
   result.ambient = vec3(0.0f);
   Receiver receiver = make_receiver(pixel);
   if (receiver.depth <= 0.0f) return result;
+  INSPECT_RECEIVER(receiver);
 
   vec3 noise = sampling_noise(pixel, frame.frame_index, frame.seed);
   int count = ssao.samples;
@@ -70,11 +72,15 @@ Gathered estimate_ssao(ivec2 pixel) {
   float area = PI * receiver.radius * receiver.radius * share;
   float bias = ssao.bias;
   for (int i = 0; i < count; ++i) {
-    Probe probe = probe_at(receiver, sample_offset(receiver, noise, i));
+    vec3 offset = sample_offset(receiver, noise, i);
+    Probe probe = probe_at(receiver, offset);
     bool behind = SSAO_SELF == SELF_PLANE ? probe.behind > 0.0f && rises(receiver, probe) : probe.behind > bias;
-    if (probe.depth <= 0.0f || !behind) continue;
-    float weight = range_weight(receiver, probe);
-    if (weight <= 0.0f) continue;
+    float weight = probe.depth > 0.0f && behind ? range_weight(receiver, probe) : 0.0f;
+    if (weight <= 0.0f) {
+      INSPECT_POINT(i, probe, receiver, offset, behind, false, 0.0f, vec3(0.0f));
+      continue;
+    }
+    INSPECT_LIGHT(result.gi);
     result.visibility -= weight * share;
     if (SSAO_BLEED != 0) {
       vec3 sender = unpack_normal(FETCH_NORMAL(probe.texel));
@@ -84,13 +90,17 @@ Gathered estimate_ssao(ivec2 pixel) {
       if (arriving > 0.0f)
         result.gi += weight * arriving * (unpack_rgb9e5(FETCH_RADIANCE(probe.texel)) + ambient_of(probe.texel));
     }
+    INSPECT_POINT(i, probe, receiver, offset, false, true, weight, (result.gi - inspect_light) / share);
   }
   if (SSAO_BLEED != 0) {
     // The report's filter: dark surfaces show no bleed.
     vec3 own = unpack_rgb9e5(FETCH_RADIANCE(pixel));
     float lit = dot(own, vec3(0.2126f, 0.7152f, 0.0722f));
-    result.gi *= ssao.bleed_strength * (ssao.damping > 0.0f ? min(lit / ssao.damping, 1.0f) : 1.0f);
+    float strength = ssao.bleed_strength * (ssao.damping > 0.0f ? min(lit / ssao.damping, 1.0f) : 1.0f);
+    result.gi *= strength;
+    INSPECT_GAIN(strength);
   }
+  INSPECT_POINTS(share, receiver);
   return result;
 }
 

@@ -7,6 +7,7 @@
 #define NF_GI_SSDO_GLSL
 
 #include "gi/hemisphere.glsl"
+#include "gi/inspect.glsl"
 
 const int DIRECTIONS_COSINE = 0;
 const int BLOCKER_ALL_BEHIND = 0;
@@ -30,6 +31,7 @@ Gathered estimate_ssdo(ivec2 pixel) {
   result.ambient = vec3(0.0f);
   Receiver receiver = make_receiver(pixel);
   if (receiver.depth <= 0.0f) return result;
+  INSPECT_RECEIVER(receiver);
 
   vec3 noise = sampling_noise(pixel, frame.frame_index, frame.seed);
   bool by_cosine = SSDO_DIRECTIONS == DIRECTIONS_COSINE;
@@ -53,6 +55,7 @@ Gathered estimate_ssdo(ivec2 pixel) {
     float hidden = probe.depth > 0.0f && inside && rises(receiver, probe) ? 1.0f : 0.0f;
     // Section 7.2: blockers near the border of the hemisphere fade.
     if (ssdo.fade > 0.0f) hidden *= 1.0f - smoothstep(fade_start, 1.0f, length(probe.towards) / receiver.radius);
+    INSPECT_LIGHT(result.gi);
     float counted = by_cosine ? -hidden * share : cosine_weight * (1.0f - hidden) * share;
     result.visibility -= cosine_weight * hidden * share;
     result.bent += counted * direction;
@@ -60,7 +63,10 @@ Gathered estimate_ssdo(ivec2 pixel) {
     if (SSDO_BOUNCE != 0 && hidden > 0.0f)
       result.gi += hidden * share * sender_weight(receiver, probe, area, cosine_weight) *
                    unpack_rgb9e5(FETCH_RADIANCE(probe.texel));
+    INSPECT_POINT(i, probe, receiver, offset, inside && probe.behind > 0.0f && hidden <= 0.0f && ssdo.fade > 0.0f &&
+                  rises(receiver, probe), hidden > 0.0f, cosine_weight * hidden, (result.gi - inspect_light) / share);
   }
+  INSPECT_POINTS(share, receiver);
   return result;
 }
 
