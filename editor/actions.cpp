@@ -102,7 +102,7 @@ const Action table[] = {
     {"view.pick", "View", "Pixel values", "p", "The pixel under the cursor in every layer",
      [](Editor& e) {
        if (e.viewport.cursor.x < 0 || e.picture.size.x == 0) return;
-       e.picking.pixel = glm::min(glm::uvec2(e.viewport.cursor * glm::vec2(e.picture.size)), e.picture.size - 1u);
+       e.picking.place = e.viewport.cursor;
        e.picking.asked = e.picking.locked = true;
        e.preferences.right_tab = "Pixel";
      }},

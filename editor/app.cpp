@@ -224,13 +224,10 @@ void App::ask() {
       moving ? std::min(e_.preferences.moving_scale, e_.preferences.render_scale) : e_.preferences.render_scale;
   const glm::uvec2 size = glm::max(glm::uvec2(glm::round(glm::vec2(v.width, v.height) * scale)), 1u);
   SliceView& s = e_.slices;
-  if (e_.picking.locked && e_.picking.pixel != s.picked && e_.picture.size.x > 0) {
-    s.picked = e_.picking.pixel;
-    s.at = (glm::vec2(s.picked) + 0.5f) / glm::vec2(e_.picture.size);
-  }
   if (!s.on) s.seen.reset();
   const std::optional<glm::uvec2> inspect =
-      s.on && !s.frozen ? std::optional(glm::min(glm::uvec2(s.at * glm::vec2(size)), size - 1u)) : std::nullopt;
+      s.on && !s.frozen ? std::optional(glm::min(glm::uvec2(e_.picking.place * glm::vec2(size)), size - 1u))
+                        : std::nullopt;
   if (settings || lights || seed) ++w.history;
   if (lights) ++w.lights_revision;
   if (settings || lights || seed || e_.view.moved || size != w.size || v.layer != w.layer ||
@@ -252,7 +249,8 @@ void App::ask() {
   if (e_.picking.asked) {
     e_.picking.asked = false;
     e_.picking.values = {};
-    w.pick = e_.picking.pixel;
+    e_.picking.size = size;
+    w.pick = e_.picking.pixel = glm::min(glm::uvec2(e_.picking.place * glm::vec2(size)), size - 1u);
     ++w.pick_serial;
   }
   worker_->want(w);

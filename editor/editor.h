@@ -107,7 +107,8 @@ struct Preferences {
 
 struct Picking {
   bool asked = false, locked = false;
-  glm::uvec2 pixel{0};
+  glm::vec2 place{0.5f};         // 0..1 in the picture, whose size changes while something moves
+  glm::uvec2 pixel{0}, size{1};  // as it was read
   live::Picked values;
 };
 

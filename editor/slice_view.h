@@ -16,8 +16,6 @@ enum class DotColor : int { Contribution, Slice };
 struct SliceView {
   bool on = false, frozen = false;
   bool fan = true;            // slices drawn into the picture, too
-  glm::uvec2 picked{~0u};     // the pixel that `at` was made of
-  glm::vec2 at{0.5f};         // of the picture, 0..1
   int slice = 0, shown = -1;  // samples of the slice that are shown, in their order; -1: all
   DotColor color = DotColor::Contribution;
   std::optional<live::Inspected> seen;

@@ -15,7 +15,7 @@ void draw_pixel_panel(Editor& editor) {
     return;
   }
   const live::Picked& values = p.values;
-  ImGui::Text("pixel %u, %u of %u x %u", p.pixel.x, p.pixel.y, editor.picture.size.x, editor.picture.size.y);
+  ImGui::Text("pixel %u, %u of %u x %u", p.pixel.x, p.pixel.y, p.size.x, p.size.y);
   ui::note("pixel.place", fmt::format("{} {}", p.pixel.x, p.pixel.y));
   ImGui::SameLine();
   if (ui::button("pixel.again", "read again")) editor.picking.asked = true;

@@ -189,7 +189,7 @@ void draw_overlay(Editor& editor, ImVec2 low, ImVec2 size) {
     label(ImVec2(low.x + 8, low.y + 8 + line * 1.4f * float(i + 1)), IM_COL32(255, 130, 255, 255),
           editor.not_finite[i]);
   if (editor.picking.locked && editor.picture.size.x > 0) {
-    const glm::vec2 at = (glm::vec2(editor.picking.pixel) + 0.5f) / glm::vec2(editor.picture.size);
+    const glm::vec2 at = editor.picking.place;
     const ImVec2 p(low.x + at.x * size.x, low.y + at.y * size.y);
     list->AddCircle(p, line * 0.5f, IM_COL32(0, 0, 0, 255), 0, 3);
     list->AddCircle(p, line * 0.5f, IM_COL32(255, 255, 255, 255), 0, 1.5f);
@@ -269,8 +269,7 @@ void draw_viewport(Editor& editor) {
   }
   const bool click = v.hovered && ImGui::IsMouseClicked(0) && !ImGui::GetIO().KeyAlt && !v.dragging_wipe;
   if (click && editor.picture.size.x > 0) {
-    editor.picking.pixel =
-        glm::min(glm::uvec2(glm::max(v.cursor, 0.0f) * glm::vec2(editor.picture.size)), editor.picture.size - 1u);
+    editor.picking.place = glm::clamp(v.cursor, 0.0f, 1.0f);
     editor.picking.asked = editor.picking.locked = true;
   }
   control_camera(editor, active);
