@@ -28,7 +28,10 @@ std::map<std::string, Widget>& widgets() {
 
 void note(const std::string& id, const std::string& value) {
   const ImVec2 low = ImGui::GetItemRectMin(), size = ImGui::GetItemRectSize();
-  widgets()[id] = {low.x, low.y, size.x, size.y, value, disabled_depth == 0, ImGui::IsItemVisible()};
+  // Its middle is what is clicked.
+  const ImVec2 middle(low.x + size.x / 2, low.y + size.y / 2);
+  const bool visible = ImGui::IsRectVisible(ImVec2(middle.x - 1, middle.y - 1), ImVec2(middle.x + 1, middle.y + 1));
+  widgets()[id] = {low.x, low.y, size.x, size.y, value, disabled_depth == 0, visible};
 }
 
 void note_area(const std::string& id, float x, float y, float width, float height, const std::string& value) {
