@@ -116,7 +116,8 @@ std::string save_settings(const Editor& editor) {
 std::array<std::optional<scene::Camera>, 9> load_bookmarks(const std::string& scene) {
   std::array<std::optional<scene::Camera>, 9> out;
   try {
-    for (const auto& [key, c] : kept_bookmarks.value(scene_key(scene), json::object()).items()) {
+    const json kept = kept_bookmarks.value(scene_key(scene), json::object());
+    for (const auto& [key, c] : kept.items()) {
       scene::Camera camera;
       camera.position = vec(c.at("position"));
       camera.forward = vec(c.at("forward"));

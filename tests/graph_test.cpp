@@ -402,5 +402,19 @@ TEST_F(GraphTest, HistoryNextIsAlwaysStored) {
   EXPECT_EQ(p.uses[graph.passes[write].first_use].store, VK_ATTACHMENT_STORE_OP_STORE);
 }
 
+// A row's own description given for a history, while rows move: what the sanitizers watch.
+TEST(GraphValue, ARowsDescriptionMayBeGiven) {
+  Graph graph;
+  const ImageDesc wanted{{320, 180}, VK_FORMAT_R32_SFLOAT};
+  Tex like = graph.image("like", wanted);
+  for (int i = 0; i < 200; ++i) {
+    const History history = graph.history("history", graph.desc(like));
+    EXPECT_EQ(graph.desc(history.prev), wanted);
+    EXPECT_EQ(graph.desc(history.next), wanted);
+    like = graph.keep("kept", graph.desc(history.next));
+    EXPECT_EQ(graph.desc(like), wanted);
+  }
+}
+
 }  // namespace
 }  // namespace nf::graph

@@ -31,7 +31,7 @@ nlohmann::json counts_json(const gpu::PassCounts& counts, graph::PassKind kind) 
 
 Meter::Meter(gpu::Device& device, scene::Scene& scene, passes::Renderer& renderer, const passes::FrameView& view,
              const MeasureOptions& options, const passes::Aov* layer)
-    : device_(device), scene_(scene), renderer_(renderer), view_(view), o_(options), layer_(layer) {
+    : scene_(scene), renderer_(renderer), view_(view), o_(options), layer_(layer) {
   if (const auto clocks = device.clocks()) clocks_ = *clocks;
 }
 

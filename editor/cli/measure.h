@@ -71,7 +71,6 @@ class Meter {
   void keep(const graph::FrameResult& result, double cpu_ms, const Block& block, uint32_t n, capture::Run& run);
   LastFrame take_last();
 
-  gpu::Device& device_;
   scene::Scene& scene_;
   passes::Renderer& renderer_;
   passes::FrameView view_;

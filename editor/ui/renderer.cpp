@@ -121,7 +121,7 @@ void Renderer::fill_texels() {
   reserve(texels_, uint64_t(at) * 4, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "ui.texels");
   moved |= texels_.handle != before;
   for (Picture& picture : pictures_) {
-    if (!moved && !picture.changed) continue;
+    if (picture.words.empty() || (!moved && !picture.changed)) continue;
     std::memcpy(texels_.mapped + size_t(picture.first) * 4, picture.words.data(), picture.words.size() * 4);
     picture.changed = false;
   }

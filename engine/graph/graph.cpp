@@ -58,7 +58,9 @@ void Graph::pair_histories(uint16_t prev, uint16_t next) {
     before.valid |= !forgets_ && state.desc == before.desc && state.bytes == before.bytes && state.name == before.name;
 }
 
-History Graph::history(const char* name, const ImageDesc& desc, Location at) {
+// `given` may be a row's own, and rows move when one is added.
+History Graph::history(const char* name, const ImageDesc& given, Location at) {
+  const ImageDesc desc = given;
   const Tex prev = image(name, desc, at), next = image(name, desc, at);
   pair_histories(prev.id, next.id);
   return {prev, next, resources[prev.id].valid};
@@ -77,7 +79,8 @@ uint16_t Graph::row_of(ResourceHandle<Tag> handle, bool is_buffer) const {
   return ours ? handle.id : no_resource;
 }
 
-Tex Graph::keep(const char* name, const ImageDesc& desc, Location at) {
+Tex Graph::keep(const char* name, const ImageDesc& given, Location at) {
+  const ImageDesc desc = given;
   const Tex tex = image(name, desc, at);
   ResourceRow& row = resources[tex.id];
   row.lifetime = Lifetime::Kept;
