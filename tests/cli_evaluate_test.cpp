@@ -57,11 +57,10 @@ TEST_F(CliEvaluateTest, TableAndItsParts) {
     EXPECT_FALSE(none["quantities"].contains(id)) << id;
     EXPECT_TRUE(none["absent"].contains(id)) << id;
   }
-  EXPECT_TRUE(vbgi["absent"].contains("gi_n"));
   EXPECT_EQ(none["ms"]["technique"], 0.0);
   EXPECT_GT(vbgi["ms"]["technique"].get<double>(), 0);
   EXPECT_LE(vbgi["ms"]["technique"].get<double>(), vbgi["ms"]["frame"].get<double>());
-  for (const char* id : {"visibility", "gi_1", "ambient"}) {
+  for (const char* id : {"visibility", "gi_1", "gi_n", "ambient"}) {
     const json& q = vbgi["quantities"][id];
     ASSERT_TRUE(q.is_object()) << id;
     EXPECT_NEAR(q["total"]["bias"].get<double>(),
@@ -82,6 +81,46 @@ TEST_F(CliEvaluateTest, TableAndItsParts) {
   // The data in the page is the document.
   const size_t begin = html.find("id=\"data\">") + 10, end = html.find("</script>", begin);
   EXPECT_EQ(json::parse(html.substr(begin, end - begin), nullptr, false), document);
+}
+
+// Light of N bounces: paths against the geometric series of a furnace; in the box, the technique with feedback against
+// a perfect estimator that gathers what it has found.
+TEST_F(CliEvaluateTest, Bounces) {
+  const auto measure = [&](const std::string& name, const std::string& place, const Words& more) {
+    Words all = {"evaluate", place, "--size", "48x27",   "--spp",   "16",           "--frames", "16",
+                 "--timed",  "1",   "-o",     out(name), "--quiet", "--techniques", "vbgi",     "--no-pictures"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome o = run(all);
+    EXPECT_EQ(o.code, 0) << o.err;
+    return table(name)["rows"][0];
+  };
+  constexpr double albedo = 0.8;
+  for (const int n : {3, 6}) {
+    const json room = measure(fmt::format("room{}", n), NF_BINARY_DIR "/content/furnace.glb",
+                              {"--bounces", fmt::format("{}", n), "--set", "gi.radius=100", "--set",
+                               "gi.radius_mode=ball"})["quantities"]["gi_n"];
+    const double sum = (1 - std::pow(albedo, n)) / (1 - albedo);
+    EXPECT_NEAR(room["reference_mean"].get<double>(), sum, 0.02 * sum) << n;
+    EXPECT_NEAR(room["last_bounce"].get<double>(), std::pow(albedo, n - 1) / sum, 0.01) << n;
+  }
+  const json box = measure("box", scene(), {"--markdown", out("box.md")});
+  const json &one = box["quantities"]["gi_1"], &many = box["quantities"]["gi_n"];
+  const double mean = many["reference_mean"];
+  EXPECT_EQ(many["bounces"], 6);
+  EXPECT_GT(mean, 1.4 * one["reference_mean"].get<double>());
+  EXPECT_GT(many["loop_gain"].get<double>(), 0.2);
+  EXPECT_LT(many["loop_gain"].get<double>(), 0.6);
+  EXPECT_LT(std::pow(many["loop_gain"].get<double>(), many["settled_after"].get<double>()), 1e-3);
+  EXPECT_LT(std::abs(many["estimator"]["bias"].get<double>()), 0.09 * mean);
+  EXPECT_NE(bytes_of(folder / "box.md").find("gi, N bounces: estimator"), std::string::npos);
+  // The albedo's limit is the technique's and the perfect estimator's alike: at 0 there is one bounce.
+  const json dark = measure("dark", scene(), {"--set", "feedback.albedo_limit=0"})["quantities"];
+  EXPECT_NEAR(dark["gi_n"]["total"]["bias"].get<double>() + mean,
+              one["total"]["bias"].get<double>() + one["reference_mean"].get<double>(), 0.1 * mean);
+  EXPECT_LT(std::abs(dark["gi_n"]["estimator"]["bias"].get<double>()), 0.15 * mean);
+  const json none = measure("none", scene(), {"--bounces", "0"});
+  EXPECT_FALSE(none["quantities"].contains("gi_n"));
+  EXPECT_NE(none["absent"]["gi_n"].get<std::string>().find("--bounces"), std::string::npos);
 }
 
 // A kill in the middle loses no finished cell, and the table is the same as without.

@@ -102,6 +102,30 @@ TEST(ReferenceRadius, BoundsGi) {
   }
 }
 
+// Each bounce has the bound: a lamp that reaches the floor only over a ceiling, 1 m from it, is 3 m from that.
+TEST(ReferenceRadius, BoundsEachBounce) {
+  Builder b;
+  square(b, b.material({}), 0.2f, 0, true);
+  square(b, b.material({.base_color = vec3(1)}), 300, 1, false);
+  square(b, b.material({.base_color = vec3(0), .emissive = vec3(1)}), 300, -2, true);
+  const scene::Scene scene = scene_of(b.glb());
+  Settings s = lambert_settings(camera({0, 0.5f, 0}, {0, 0, 0}, 0.01f, {0, 0, -1}), 2, 2);
+  s.bounces = 2;
+  s.bound_gi = true;
+  for (const RadiusMode mode : {RadiusMode::Ball, RadiusMode::BallFalloff}) {
+    s.radius_mode = mode;
+    s.radius = 2;
+    const reference::EmitterSampling ways[] = {reference::EmitterSampling::Directions,
+                                               reference::EmitterSampling::Both};
+    for (const auto way : ways) {
+      s.emitters = way;
+      EXPECT_EQ(trace(scene, s, "gi_2", 1024).mean("gi_2"), 0);
+    }
+    s.radius = 1e9f;
+    EXPECT_NEAR(trace(scene, s, "gi_2", 1024).mean("gi_2"), 1, 0.03);
+  }
+}
+
 // The camera sees through the backs of single-sided surfaces, light does not pass them.
 TEST(ReferenceGeometry, BacksAndMirrors) {
   for (const float mirror : {1.0f, -1.0f}) {

@@ -212,6 +212,9 @@ Command add_evaluate(CLI::App& parent) {
   app->add_option("--spp", state->spp, "Samples a pixel of the references")
       ->check(CLI::Range(2u, 1u << 24))
       ->capture_default_str();
+  app->add_option("--bounces", state->bounces, "Bounces of the references of `gi, N bounces`; below 2: no such column")
+      ->check(CLI::Range(0u, reference::max_bounces))
+      ->capture_default_str();
   app->add_option("--threads", state->threads, "Threads of the references (0: all)")->check(CLI::Range(0u, 256u));
   app->add_flag("!--no-pictures", state->pictures, "No heat maps");
   app->footer(

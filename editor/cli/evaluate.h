@@ -20,7 +20,7 @@ struct EvaluateOptions : CommonOptions {
   std::vector<std::string> scenes;
   std::string techniques = "all", presets, folder = "evaluation", references, markdown;
   std::string occluder = "short,card,fountain";
-  uint32_t frames = 64, timed = 8, spp = 256, threads = 0;
+  uint32_t frames = 64, timed = 8, spp = 256, bounces = 6, threads = 0;
   bool resume = false, pictures = true, temporal = false;
 };
 
@@ -40,11 +40,11 @@ std::vector<Contender> parse_contenders(EvaluateOptions& options);
 // One thing that is measured: a layer of the frame against layers of both references.
 struct Quantity {
   const char *id, *title;
-  const char* layer;      // of the renderer
-  const char* truth;      // of the path tracer
-  const char* same;       // of the marcher
-  bool of_mean;           // its errors are shown as shares of the reference's mean
-  const char* not_there;  // why no technique has it in this version, or nullptr
+  const char* layer;  // of the renderer
+  const char* truth;  // of the path tracer
+  const char* same;   // of the marcher
+  bool of_mean;       // its errors are shown as shares of the reference's mean
+  bool with_bounces;  // of --bounces, with feedback that has settled
 };
 std::span<const Quantity> quantities();
 
@@ -62,14 +62,22 @@ class TruthStore {
   // What `gi`, `visibility` and `ambient` are, with the radius of these settings. nullptr: interrupted.
   const Truth* path_traced(const scene::Scene& scene, const scene::Camera& camera,
                            const passes::FrameSettings& settings);
+  // `gi_n`, `gi` of --bounces, and `last`, what the last of them adds.
+  const Truth* path_traced_bounces(const scene::Scene& scene, const scene::Camera& camera,
+                                   const passes::FrameSettings& settings);
   // What a perfect estimator would make of `buffers`.
   const Truth* same_information(const reference::Buffers& buffers, const reference::MarchSettings& settings);
+  // `gi`, were what it finds reflected and gathered again, --bounces in all. No surface reflects more than
+  // `albedo_limit`.
+  const Truth* same_information_bounces(const reference::Buffers& buffers, const reference::MarchSettings& settings,
+                                        float albedo_limit);
   // Made by this run, taken from disk.
   uint32_t made = 0, found = 0;
 
  private:
   template <class Make>
   const Truth* get(const std::string& kind, uint64_t key, const Make& make);
+  reference::Settings tracer_settings(const scene::Camera& camera, const passes::FrameSettings& settings) const;
   const EvaluateOptions& options_;
   std::filesystem::path folder_;
   gpu::Device& device_;
@@ -90,9 +98,26 @@ class Stage {
   nlohmann::json measure(const Contender& contender, TruthStore& store, const std::filesystem::path& folder);
 
  private:
+  // Errors of one quantity; null where there is no such light. `same` and `one`, a single frame, may be missing.
+  struct Measurement {
+    const Quantity& quantity;
+    const image::Halves &test, &path;
+    const image::Halves* same = nullptr;
+    const image::Image* one = nullptr;
+    std::string label;              // of the contender
+    std::filesystem::path picture;  // or empty
+  };
+  nlohmann::json errors(const Measurement& of, const std::vector<uint8_t>& mask) const;
+  // The row of a quantity with bounces; null where there is no such light, or when interrupted.
+  nlohmann::json measure_bounces(const Contender& contender, const Quantity& q, TruthStore& store,
+                                 const reference::MarchSettings& march, const std::vector<uint8_t>& mask,
+                                 const std::filesystem::path& picture);
   void look(const passes::FrameSettings& settings);
   std::vector<image::Layer> mean(const passes::FrameSettings& settings, std::span<const passes::Aov* const> layers,
                                  uint32_t seed, uint32_t frames);
+  // The same with feedback, counted from where the loop has settled; `gain` is what goes round again then.
+  std::vector<image::Layer> settled_mean(const passes::FrameSettings& settings, const passes::Aov& layer, uint32_t seed,
+                                         uint32_t frames, double& gain, uint32_t& before);
   PassTimes time(const passes::FrameSettings& settings);
   gpu::Device& device_;
   const EvaluateOptions& options_;

@@ -6,6 +6,7 @@
 #include "cli/reference_options.h"
 #include "core/fingerprint.h"
 #include "core/log.h"
+#include "graph/probe.h"
 #include "image/file.h"
 #include "scene/gltf.h"
 #include "scene/view.h"
@@ -75,7 +76,7 @@ uint64_t Stage::key(const Contender& contender) const {
   Fingerprint f;
   f.add(program_fingerprint()), f.add(reference::fingerprint(scene_, s, {}));
   f.add(contender.label), f.add(params::to_json(settings.blocks(), true).dump());
-  f.add(options_.frames), f.add(options_.timed), f.add(options_.spp), f.add(options_.timing);
+  f.add(options_.frames), f.add(options_.timed), f.add(options_.spp), f.add(options_.bounces), f.add(options_.timing);
   f.add(device_.info.name), f.add(device_.info.driver), f.add(device_.info.driver_info);
   return f.value();
 }
@@ -92,6 +93,41 @@ std::vector<image::Layer> Stage::mean(const passes::FrameSettings& settings, std
   const std::vector<graph::Readback> readbacks = renderer_->executor().take_readbacks();
   std::vector<image::Layer> out;
   for (size_t i = 0; i < layers.size(); ++i) out.push_back(to_layer(*layers[i], readbacks[i]));
+  return out;
+}
+
+std::vector<image::Layer> Stage::settled_mean(const passes::FrameSettings& of, const passes::Aov& layer, uint32_t seed,
+                                              uint32_t frames, double& gain, uint32_t& before) {
+  // Of what is left out by beginning to count, all bounces behind this share of the first.
+  constexpr double left = 1e-3;
+  constexpr uint32_t least = 4, most = 128;
+  passes::FrameSettings settings = of;
+  settings.reconstruct = true;
+  const int reprojection = settings.feedback.reprojection;
+  settings.switch_off_reconstruction();
+  settings.feedback.reprojection = reprojection ? reprojection : 1;
+  const passes::Aov* const layers[] = {&layer};
+  passes::FrameView view = view_;
+  view.seed = seed;
+  std::vector<image::Layer> out;
+  before = 0;
+  for (uint32_t n = 0, counted = 0; counted < frames; ++n) {
+    if (interrupted()) return {};
+    view.frame_index = n;
+    const bool counts = before > 0;
+    run_frame(*renderer_, view, settings, {.layers = layers, .mean = counts ? counted : 0, .forget = n == 0});
+    const std::vector<graph::Readback> readbacks = renderer_->executor().take_readbacks();
+    counted += counts;
+    if (counted == frames) out.push_back(to_layer(layer, readbacks.front()));
+    if (counts) continue;
+    const graph::Readback* energy = graph::find_readback(readbacks, "readback.loop_energy");
+    NF_CHECK(energy, "{} has no feedback", of.technique->id);
+    uint32_t have = 0;
+    const std::vector<float> sums = graph::to_floats(*energy, have);
+    gain = sums[1] > 0 ? sums[0] / sums[1] : 0;
+    // A frame adds a bounce, of `gain` of the one before.
+    if (n + 1 >= least && (n + 1 >= most || std::pow(gain, n + 1) < left)) before = n + 1;
+  }
   return out;
 }
 
@@ -129,6 +165,61 @@ void Stage::look(const passes::FrameSettings& of) {
   looked_with_ = now;
 }
 
+json Stage::errors(const Measurement& of, const std::vector<uint8_t>& mask) const {
+  const image::Image test_mean = image::mean_of(of.test), path_mean = image::mean_of(of.path);
+  if (const image::NonFinite bad = image::find_non_finite(test_mean); bad.any())
+    log::error("{}, {}: {} has {} NaN and infinite values", place_.label, of.label, of.quantity.title,
+               bad.nan + bad.inf);
+  const double average = mean_value(path_mean, mask);
+  if (average == 0) return nullptr;
+  const image::Pair pair{test_mean, path_mean, mask};
+  json row = {
+      {"reference_mean", average},
+      {"total", part_json(image::error_between(of.test, of.path, mask))},
+      {"relmse", image::measure(image::Metric::RelMse, pair, true).value},
+      {"flip", image::measure(image::Metric::Flip, pair, true).value},
+      {"noise", {{"technique", image::noise_of(of.test, mask)}, {"path_traced", image::noise_of(of.path, mask)}}}};
+  if (of.one) row["single_frame_rmse"] = image::error_between({*of.one, *of.one}, of.path, mask).rmse;
+  if (!of.same) return row;
+  const image::ErrorSplit parts = image::split_error(of.test, *of.same, of.path, mask);
+  row["estimator"] = part_json(parts.estimator);
+  row["missing"] = part_json(parts.missing);
+  row["noise"]["same_information"] = image::noise_of(*of.same, mask);
+  if (!of.picture.empty()) {
+    image::write_png(of.picture, image::split_picture(test_mean, image::mean_of(*of.same), path_mean, mask));
+    row["picture"] = of.picture.filename().string();
+  }
+  return row;
+}
+
+json Stage::measure_bounces(const Contender& contender, const Quantity& q, TruthStore& store,
+                            const reference::MarchSettings& march, const std::vector<uint8_t>& mask,
+                            const fs::path& picture) {
+  const passes::FrameSettings& settings = contender.settings;
+  const Truth* truth = store.path_traced_bounces(scene_, view_.camera, settings);
+  if (!truth) return nullptr;
+  // What a surface reflects is known of Lambert surfaces only, and the marcher's first bounce has no sky to begin with.
+  const bool known = settings.material.lambert && !settings.feedback.include_ambient && settings.feedback.emissive;
+  const Truth* same = known ? store.same_information_bounces(buffers_, march, settings.feedback.albedo_limit) : nullptr;
+  if (known && !same) return nullptr;
+  double gain = 0;
+  uint32_t before = 0;
+  const uint32_t half = (options_.frames + 1) / 2;
+  const passes::Aov& layer = passes::find_aov(q.layer);
+  std::vector<image::Layer> a = settled_mean(settings, layer, options_.seed * 2, half, gain, before);
+  std::vector<image::Layer> b = settled_mean(settings, layer, options_.seed * 2 + 1, half, gain, before);
+  if (a.empty() || b.empty()) return nullptr;
+  const image::Halves test{std::move(a[0].image), std::move(b[0].image)};
+  json row = errors(
+      {q, test, truth->at(q.truth), same ? &same->at(q.same) : nullptr, nullptr, contender.label, picture}, mask);
+  if (!row.is_object()) return row;
+  row["bounces"] = options_.bounces;
+  row["loop_gain"] = gain;
+  row["settled_after"] = before;
+  row["last_bounce"] = mean_value(image::mean_of(truth->at("last")), mask) / row["reference_mean"].get<double>();
+  return row;
+}
+
 json Stage::measure(const Contender& contender, TruthStore& store, const fs::path& folder) {
   const passes::FrameSettings& settings = contender.settings;
   const bool lambert = settings.material.lambert != 0;
@@ -144,7 +235,7 @@ json Stage::measure(const Contender& contender, TruthStore& store, const fs::pat
 
   std::vector<const passes::Aov*> layers;
   for (const Quantity& q : quantities())
-    if (!q.not_there) layers.push_back(&passes::find_aov(q.layer));
+    if (!q.with_bounces) layers.push_back(&passes::find_aov(q.layer));
   layers = layers_given(*renderer_, view_, settings, layers);
   const uint32_t half = (options_.frames + 1) / 2;
   const std::vector<image::Layer> a = mean(settings, layers, options_.seed * 2, half),
@@ -157,42 +248,31 @@ json Stage::measure(const Contender& contender, TruthStore& store, const fs::pat
   const std::vector<uint8_t> mask = common_surfaces(buffers_.depth, truth->at("depth").a.pixels, left_out);
   json measured = json::object(), absent = json::object();
   for (const Quantity& q : quantities()) {
-    const image::Image* first = find(a, q.layer);
-    if (q.not_there || !first) {
-      absent[q.id] = q.not_there ? q.not_there : "the technique does not give it";
+    if (!find(a, q.layer)) {
+      absent[q.id] = "the technique does not give it";
       continue;
     }
-    const image::Halves test{*first, *find(b, q.layer)}, &path = truth->at(q.truth);
-    const image::Image test_mean = image::mean_of(test), path_mean = image::mean_of(path);
-    if (const image::NonFinite bad = image::find_non_finite(test_mean); bad.any())
-      log::error("{}, {}: {} has {} NaN and infinite values", place_.label, contender.label, q.title,
-                 bad.nan + bad.inf);
-    const double average = mean_value(path_mean, mask);
-    if (average == 0) {
-      absent[q.id] = "there is no such light in this view";
-      continue;
-    }
-    const image::Pair pair{test_mean, path_mean, mask};
-    json row = {
-        {"reference_mean", average},
-        {"total", part_json(image::error_between(test, path, mask))},
-        {"single_frame_rmse", image::error_between({*find(one, q.layer), *find(one, q.layer)}, path, mask).rmse},
-        {"relmse", image::measure(image::Metric::RelMse, pair, true).value},
-        {"flip", image::measure(image::Metric::Flip, pair, true).value},
-        {"noise", {{"technique", image::noise_of(test, mask)}, {"path_traced", image::noise_of(path, mask)}}}};
-    if (const auto known = same->find(q.same); known != same->end()) {
-      const image::ErrorSplit parts = image::split_error(test, known->second, path, mask);
-      row["estimator"] = part_json(parts.estimator);
-      row["missing"] = part_json(parts.missing);
-      row["noise"]["same_information"] = image::noise_of(known->second, mask);
-      if (options_.pictures) {
-        const std::string name = fmt::format("{}.{}.{}.png", place_.label, contender.label, q.id);
-        image::write_png(folder / name,
-                         image::split_picture(test_mean, image::mean_of(known->second), path_mean, mask));
-        row["picture"] = name;
+    const std::string name = fmt::format("{}.{}.{}.png", place_.label, contender.label, q.id),
+                      picture = options_.pictures ? (folder / name).string() : "";
+    json row;
+    if (q.with_bounces) {
+      if (options_.bounces < 2) {
+        absent[q.id] = "not asked for: --bounces";
+        continue;
       }
+      row = measure_bounces(contender, q, store, march, mask, picture);
+      if (interrupted()) return nullptr;
+    } else {
+      const image::Halves test{*find(a, q.layer), *find(b, q.layer)};
+      const auto known = same->find(q.same);
+      row = errors({q, test, truth->at(q.truth), known == same->end() ? nullptr : &known->second, find(one, q.layer),
+                    contender.label, picture},
+                   mask);
     }
-    measured[q.id] = row;
+    if (row.is_null())
+      absent[q.id] = "there is no such light in this view";
+    else
+      measured[q.id] = row;
   }
 
   double technique_ms = 0;

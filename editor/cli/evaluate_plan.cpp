@@ -107,10 +107,10 @@ std::vector<Contender> parse_contenders(EvaluateOptions& o) {
 
 std::span<const Quantity> quantities() {
   static constexpr Quantity rows[] = {
-      {"visibility", "visibility", "visibility", "visibility", "visibility", false, nullptr},
-      {"gi_1", "gi, 1 bounce", "gi_raw", "gi_1", "gi", true, nullptr},
-      {"gi_n", "gi, N bounces", "", "", "", true, "evaluate does not run the feedback yet"},
-      {"ambient", "ambient colour", "ambient", "ambient", "ambient", true, nullptr},
+      {"visibility", "visibility", "visibility", "visibility", "visibility", false, false},
+      {"gi_1", "gi, 1 bounce", "gi_raw", "gi_1", "gi", true, false},
+      {"gi_n", "gi, N bounces", "gi_raw", "gi_n", "gi", true, true},
+      {"ambient", "ambient colour", "ambient", "ambient", "ambient", true, false},
   };
   return rows;
 }

@@ -39,8 +39,7 @@ struct Table {
 std::vector<const Quantity*> present(const std::vector<const json*>& rows) {
   std::vector<const Quantity*> out;
   for (const Quantity& q : quantities())
-    if (q.not_there ||
-        std::any_of(rows.begin(), rows.end(), [&](const json* row) { return (*row)["quantities"].contains(q.id); }))
+    if (std::any_of(rows.begin(), rows.end(), [&](const json* row) { return (*row)["quantities"].contains(q.id); }))
       out.push_back(&q);
   return out;
 }
@@ -48,23 +47,13 @@ std::vector<const Quantity*> present(const std::vector<const json*>& rows) {
 Table place_table(const std::vector<const json*>& rows) {
   Table table{{"technique", "radius", "ms", "frame ms"}, {}};
   const std::vector<const Quantity*> shown = present(rows);
-  for (const Quantity* q : shown) {
-    if (q->not_there) {
-      table.head.push_back(q->title);
-      continue;
-    }
+  for (const Quantity* q : shown)
     for (const char* part : parts) table.head.push_back(fmt::format("{}: {}", q->title, part));
-  }
   for (const json* row : rows) {
     std::vector<std::string> cells = {(*row)["contender"], (*row)["radius"], ms_text(*row, "technique"),
                                       ms_text(*row, "frame")};
-    for (const Quantity* q : shown) {
-      if (q->not_there) {
-        cells.emplace_back("–");
-        continue;
-      }
+    for (const Quantity* q : shown)
       for (const char* part : parts) cells.push_back(part_text(*row, *q, part));
-    }
     table.rows.push_back(cells);
   }
   return table;
@@ -76,10 +65,8 @@ Table summary_table(const json& document) {
   std::vector<const json*> all;
   for (const json& row : document["rows"]) all.push_back(&row);
   const std::vector<const Quantity*> shown = present(all);
-  for (const Quantity* q : shown) {
-    if (q->not_there) continue;
+  for (const Quantity* q : shown)
     for (const char* part : parts) table.head.push_back(fmt::format("{}: {}", q->title, part));
-  }
   std::vector<std::string> contenders;
   for (const json* row : all)
     if (std::find(contenders.begin(), contenders.end(), (*row)["contender"]) == contenders.end())
@@ -92,7 +79,6 @@ Table summary_table(const json& document) {
         ++views, ms += (*row)["ms"].is_object() ? double((*row)["ms"]["technique"]) : 0;
     std::vector<std::string> cells = {contender, fmt::format("{}", views), fmt::format("{:.2f}", ms / views)};
     for (const Quantity* q : shown) {
-      if (q->not_there) continue;
       for (const char* part : parts) {
         double sum = 0;
         uint32_t count = 0;
@@ -171,6 +157,8 @@ std::string place_text(const std::vector<const json*>& rows) {
                           (*found)["reference_mean"].get<double>(), noise["path_traced"].get<double>());
       if (noise.contains("same_information"))
         text += fmt::format(" and {:.2g}", noise["same_information"].get<double>());
+      if (found->contains("last_bounce"))
+        text += fmt::format(", {:.2g} % of it of the last bounce", 100 * (*found)["last_bounce"].get<double>());
       break;
     }
   }
@@ -187,16 +175,15 @@ constexpr const char* legend =
     "rays against the path tracer, which is what the screen does not show. Noise has no part in an RMSE: it is taken "
     "from products of independent halves; \"< x\" is where that does not tell it from none. Pixels count where "
     "rasteriser and tracer see the same surface. The path "
-    "tracer's visibility and gi end at the techniques' radius too; its ambient light does not. ms is the median of the "
+    "tracer's visibility and gi end at the techniques' radius too, gi at every bounce; its ambient light does not. N "
+    "bounces: the technique with feedback, counted from where the loop has settled, so with all the bounces there are; "
+    "random rays that gather what they reflected N - 1 times; paths of N bounces. ms is the median of the "
     "passes that the technique adds. – : the technique does not give this, or the view has no such light.";
 
 }  // namespace
 
 json evaluation_json(const EvaluateOptions& o, const std::vector<json>& rows, const gpu::DeviceInfo& device,
                      bool complete) {
-  json not_there = json::object();
-  for (const Quantity& q : quantities())
-    if (q.not_there) not_there[q.id] = q.not_there;
   return {{"schema", "nearfield.evaluation/1"},
           {"complete", complete},
           {"version", version_line()},
@@ -206,23 +193,21 @@ json evaluation_json(const EvaluateOptions& o, const std::vector<json>& rows, co
           {"size", {parse_size(o.size).x, parse_size(o.size).y}},
           {"frames", o.frames},
           {"spp", o.spp},
+          {"bounces", o.bounces},
           {"seed", o.seed},
           {"timing", o.timing},
-          {"absent", not_there},
           {"rows", rows}};
 }
 
 std::string evaluation_markdown(const json& document) {
   std::string text = fmt::format(
-      "# Evaluation\n\n`{}`\n\n{}x{}, means of {} frames, references of {} samples a pixel; "
+      "# Evaluation\n\n`{}`\n\n{}x{}, means of {} frames, references of {} samples a pixel and {} bounces for N; "
       "times on {} ({}).\n",
       document["command"].get<std::string>(), document["size"][0].get<int>(), document["size"][1].get<int>(),
-      document["frames"].get<int>(), document["spp"].get<int>(), document["device"]["name"].get<std::string>(),
-      document["device"]["type"].get<std::string>());
+      document["frames"].get<int>(), document["spp"].get<int>(), document["bounces"].get<int>(),
+      document["device"]["name"].get<std::string>(), document["device"]["type"].get<std::string>());
   if (!document["complete"].get<bool>()) text += "\n**Interrupted: the table is not complete.**\n";
   text += fmt::format("\n{}\n", legend);
-  for (const auto& [id, why] : document["absent"].items())
-    text += fmt::format("\n{} is absent: {}.\n", id, why.get<std::string>());
   if (document["rows"].empty()) return text;
   text += "\n## Mean over the views\n\n" + markdown_of(summary_table(document));
   for (const auto& [place, rows] : by_place(document))
@@ -237,14 +222,13 @@ std::string evaluation_html(const json& document) {
       "th,td{{border:1px solid #bbb;padding:.25em .6em;text-align:right;font-variant-numeric:tabular-nums}}"
       "th{{background:#eee;max-width:9em}}td:first-child,th:first-child{{text-align:left}}figure{{display:inline-block;"
       "margin:.5em}}figcaption{{font-size:12px}}img{{max-width:100%}}</style></head><body>\n<h1>Evaluation</h1>\n"
-      "<p><code>{}</code></p>\n<p>{}x{}, means of {} frames, references of {} samples a pixel; times on {} ({}).</p>\n",
+      "<p><code>{}</code></p>\n<p>{}x{}, means of {} frames, references of {} samples a pixel and {} bounces for N; "
+      "times on {} ({}).</p>\n",
       escaped(document["command"]), document["size"][0].get<int>(), document["size"][1].get<int>(),
-      document["frames"].get<int>(), document["spp"].get<int>(), escaped(document["device"]["name"]),
-      escaped(document["device"]["type"]));
+      document["frames"].get<int>(), document["spp"].get<int>(), document["bounces"].get<int>(),
+      escaped(document["device"]["name"]), escaped(document["device"]["type"]));
   if (!document["complete"].get<bool>()) text += "<p><strong>Interrupted: the table is not complete.</strong></p>\n";
   text += fmt::format("<p>{}</p>\n", legend);
-  for (const auto& [id, why] : document["absent"].items())
-    text += fmt::format("<p>{} is absent: {}.</p>\n", id, escaped(why));
   if (!document["rows"].empty()) text += "<h2>Mean over the views</h2>\n" + html_of(summary_table(document));
   for (const auto& [place, rows] : by_place(document)) {
     text += fmt::format("<h2>{}</h2>\n<p>{}</p>\n{}", escaped(place), escaped(place_text(rows)),

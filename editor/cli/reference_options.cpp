@@ -152,7 +152,7 @@ void add_reference_flags(CLI::App& app, ReferenceOptions& o) {
       ->check(CLI::IsMember({"ball", "ball_falloff", "disc"}));
   app.add_option("--falloff", o.falloff, "Share of the radius over which ball_falloff fades (default 0.615)")
       ->check(CLI::Range(0.0f, 1.0f));
-  app.add_flag("--bound-gi", o.bound_gi, "gi, too, gathers only within the radius, as techniques do");
+  app.add_flag("--bound-gi", o.bound_gi, "gi, too, gathers only within the radius at each bounce, as techniques do");
   app.add_flag("--include-ambient", o.include_ambient, "gi gathers the environment's light at the bounces too");
   app.add_option("--pixel", o.pixel, "center: one point, as the G-buffer has it; box: the mean over the pixel")
       ->check(CLI::IsMember({"center", "box"}))

@@ -141,7 +141,8 @@ float openness(const Settings& settings, vec3 receiver, vec3 direction, float di
       if (radius == far_away) return 0;
       const scene::mat4 view = scene::view_from_world(settings.camera);
       const vec3 p(view * vec4(receiver, 1)), q(view * vec4(receiver + direction * distance, 1));
-      if (q.z >= -1e-6f) return 1;  // behind the eye: in no picture
+      if (p.z >= -1e-6f) return distance < radius ? 0.0f : 1.0f;  // a later bounce: in no picture, so no disc
+      if (q.z >= -1e-6f) return 1;                                // behind the eye: in no picture
       const vec2 apart = vec2(q) / -q.z - vec2(p) / -p.z;
       return glm::length(apart) * -p.z <= radius ? 0.0f : 1.0f;
     }
@@ -164,7 +165,7 @@ void diffuse_walk(const Integrator& it, Stream& stream, PixelSample& sample, uin
       if (e.density > 0) {
         const float cosine = glm::dot(s.n, e.to_light);
         float w = weight(it, EmitterSampling::Surfaces, e.density, cosine / pi);
-        if (k == 0 && settings.bound_gi) w *= 1 - openness(settings, s.position, e.to_light, e.distance);
+        if (settings.bound_gi) w *= 1 - openness(settings, s.position, e.to_light, e.distance);
         sample.gi[k] += throughput * e.radiance * (w * cosine / (pi * e.density));
       }
     }
@@ -193,7 +194,7 @@ void diffuse_walk(const Integrator& it, Stream& stream, PixelSample& sample, uin
       return;
     }
     if (k >= bounces) return;
-    if (k == 0 && settings.bound_gi) throughput *= 1 - sample.visibility;
+    if (settings.bound_gi) throughput *= 1 - openness(settings, s.position, direction, hit.t);
     const Surface y = it.world.surface(hit, direction);
     if (!is_black(y.emission)) {
       const float other = emitter_density(it, hit, y, s.position, direction);

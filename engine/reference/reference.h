@@ -41,7 +41,7 @@ struct Settings {
   float radius = std::numeric_limits<float>::infinity();  // of `visibility` and `bent`, metres
   RadiusMode radius_mode = RadiusMode::Ball;
   float falloff = 0.615f;
-  bool bound_gi = false;  // gi, too, gathers only from surfaces within the radius, as techniques do
+  bool bound_gi = false;  // gi, too, gathers at each bounce only within the radius, as techniques do
   bool lambert = false;   // as material.lambert
   float albedo_scale = 1, emissive_scale = 1;  // as material.albedo_scale, material.emissive_scale
   Blending blending = Blending::Over;
