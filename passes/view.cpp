@@ -25,6 +25,7 @@ FrameBlock make_frame_block(const FrameView& view, const scene::Scene& scene, co
   block.seed = view.seed;
   block.near = view.camera.near;
   block.lambert = material.lambert;
+  block.texture_lod_bias = material.lod_bias;
   block.albedo_scale = material.albedo_scale;
   block.emissive_scale = material.emissive_scale;
   block.camera_position = view.camera.position;

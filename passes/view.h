@@ -16,16 +16,18 @@ namespace nf::passes {
   F(Mat4, view_from_world) F(Mat4, world_from_view) F(Mat4, jittered_clip_from_world) F(Mat4, clip_from_world) \
   F(Mat4, previous_clip_from_world) F(Vec2, ray_scale) F(Vec2, ray_offset)          \
   F(Vec2, pixels_per_tangent) F(IVec2, size) F(Uint, frame_index) F(Uint, seed) F(Float, near)                 \
-  F(Uint, lambert) F(Float, albedo_scale) F(Float, emissive_scale) F(Vec3, camera_position) F(Vec3, environment)
+  F(Uint, lambert) F(Float, texture_lod_bias) F(Float, albedo_scale) F(Float, emissive_scale) F(Vec3, camera_position) F(Vec3, environment)
 // clang-format on
 NF_DECLARE_BLOCK(FrameBlock, "frame", NF_FRAME_FIELDS)
 
-#define NF_MATERIAL_PARAMS(P)                                                                      \
-  P(Bool, lambert, 0, 0, 1, "",                                                                    \
-    "Every material becomes pure Lambert: diffuse = base colour, no specular, no normal maps")     \
-  P(Choice, blend, 0, 0, 1, "over|cutout",                                                         \
-    "Surfaces with alphaMode BLEND: over the finished frame, outside GI, or cut out at alpha 0.5") \
-  P(Float, albedo_scale, 1, 0, 4, "", "Every base colour times this, at most 1")                   \
+#define NF_MATERIAL_PARAMS(P)                                                                               \
+  P(Bool, lambert, 0, 0, 1, "",                                                                             \
+    "Every material becomes pure Lambert: diffuse = base colour, no specular, no normal maps")              \
+  P(Choice, blend, 0, 0, 1, "over|cutout",                                                                  \
+    "Surfaces with alphaMode BLEND: over the finished frame, outside GI, or cut out at alpha 0.5")          \
+  P(Float, lod_bias, 0, -16, 8, "",                                                                         \
+    "Added to the mip level of every texture: below 0 sharper, and noisier; -16 takes none but the finest") \
+  P(Float, albedo_scale, 1, 0, 4, "", "Every base colour times this, at most 1")                            \
   P(Float, emissive_scale, 1, 0, 1000, "", "Every emission times this; what is unlit shows its colour times this")
 NF_DECLARE_PARAMS(MaterialParams, "material", NF_MATERIAL_PARAMS)
 

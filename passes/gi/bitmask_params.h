@@ -18,10 +18,11 @@
     "Environment maps by direction: the radiance's spherical harmonics, or the prefiltered cube")                  \
   P(Int, regions, 4, 1, 16, "", "Regions of a slice, of each one direction, for `ambient`")
 
-#define NF_EMITTER_PARAMS(P)                                                                                        \
-  P(Choice, emitter, 0, 0, 3, "one_sided|none|cosine|half_space",                                                   \
-    "An emitter shines to its front only; to all sides; by its cosine as printed; or where its plane is seen from " \
-    "the front")
+#define NF_EMITTER_PARAMS(P)                                                                                      \
+  P(Choice, emitter, 3, 0, 3, "one_sided|none|cosine|half_space",                                                 \
+    "Emitters shine if the texel is seen from its front; to all sides; by their cosine, as printed; or into the " \
+    "directions "                                                                                                 \
+    "in front of their plane")
 
 #define NF_VBGI_PARAMS(P) NF_EMITTER_PARAMS(P) NF_BITMASK_PARAMS(P)
 

@@ -46,19 +46,21 @@ vec2 uv_of(Material m, int i) {
 #endif
 }
 
+#define texture_of(map, m, i) texture(map, vec3(uv_of(m, i), m.layers[i]), frame.texture_lod_bias)
+
 // With alpha.
 vec4 base_color_of(Material m) {
   vec4 base = m.base_color * color_in;
-  if (m.layers[0] >= 0) base *= texture(base_color_map, vec3(uv_of(m, 0), m.layers[0]));
+  if (m.layers[0] >= 0) base *= texture_of(base_color_map, m, 0);
   return base;
 }
 
 // KHR_materials_ior and KHR_materials_specular as one number: the strongest channel of the specular colour.
 float dielectric_f0(Material m) {
   float specular = m.specular;
-  if (m.layers[5] >= 0) specular *= texture(specular_map, vec3(uv_of(m, 5), m.layers[5])).a;
+  if (m.layers[5] >= 0) specular *= texture_of(specular_map, m, 5).a;
   vec3 tint = m.specular_color;
-  if (m.layers[6] >= 0) tint *= texture(specular_color_map, vec3(uv_of(m, 6), m.layers[6])).rgb;
+  if (m.layers[6] >= 0) tint *= texture_of(specular_color_map, m, 6).rgb;
   return min(m.ior_f0 * max(tint.r, max(tint.g, tint.b)), 1.0) * specular;
 }
 
@@ -71,20 +73,20 @@ MaterialPoint material_point(Material m, vec3 base_color) {
   if (m.layers[2] >= 0 && !lambert && dot(tangent_in.xyz, tangent_in.xyz) > 0.0) {
     vec3 t = normalize(tangent_in.xyz - p.normal * dot(p.normal, tangent_in.xyz));
     vec3 b = cross(p.normal, t) * tangent_in.w;
-    vec3 mapped = texture(normal_map, vec3(uv_of(m, 2), m.layers[2])).xyz * 2.0 - 1.0;
+    vec3 mapped = texture_of(normal_map, m, 2).xyz * 2.0 - 1.0;
     p.normal = normalize(t * (mapped.x * m.normal_scale) + b * (mapped.y * m.normal_scale) + p.normal * mapped.z);
   }
   p.metallic = m.metallic;
   p.roughness = m.roughness;
   if (m.layers[1] >= 0) {
-    vec4 texel = texture(metallic_roughness_map, vec3(uv_of(m, 1), m.layers[1]));
+    vec4 texel = texture_of(metallic_roughness_map, m, 1);
     p.metallic *= texel.b;
     p.roughness *= texel.g;
   }
   p.emission = m.emissive;
-  if (m.layers[3] >= 0) p.emission *= texture(emissive_map, vec3(uv_of(m, 3), m.layers[3])).rgb;
+  if (m.layers[3] >= 0) p.emission *= texture_of(emissive_map, m, 3).rgb;
   p.occlusion = 1.0;
-  if (m.layers[4] >= 0) p.occlusion += m.occlusion_strength * (texture(occlusion_map, vec3(uv_of(m, 4), m.layers[4])).r - 1.0);
+  if (m.layers[4] >= 0) p.occlusion += m.occlusion_strength * (texture_of(occlusion_map, m, 4).r - 1.0);
   p.f0 = dielectric_f0(m);
   if (m.unlit != 0u) {  // it shows its base colour, whatever falls on it
     p.emission = base_color;

@@ -142,28 +142,25 @@ struct Tally {
   vec3 light;
 };
 
-// The sectors whose rays meet the plane of the emitter from its front: an interval on either side.
-Range emitter_half_space(Slice slice, Scale scale, vec3 normal) {
+// The sectors whose rays meet the plane of the emitter from its front: those beyond the direction in that plane, towards the end
+// of the side or towards V.
+Range emitter_half_space(Slice slice, Scale scale, float start, float end, vec3 normal) {
   float across = dot(normal, slice.tangent);
   float along = dot(normal, slice.normal);
   // across sin(theta) + along cos(theta) < 0, which changes at:
-  float s = -along * (across < 0.0f ? -1.0f : 1.0f) * inversesqrt(across * across + along * along + 1e-30f);
-  float turn = sector_position(scale, max(s, slice.sin_gamma));
-  float end = sector_position(scale, across < 0.0f ? 1.0f : slice.sin_gamma);
+  float s = (across < 0.0f ? along : -along) * inversesqrt(across * across + along * along + 1e-30f);
   Range range;
-  range.first = int(floor(turn));
-  range.last = int(floor(end));
+  range.first = int(floor(s > slice.sin_gamma ? sector_position(scale, s) : start));
+  range.last = int(floor(across < 0.0f ? end : start));
   return range;
 }
 
-// Light that reaches the receiver per sector, of a texel found at `towards`.
-vec3 texel_light(Receiver receiver, Tap tap) {
+// Light that reaches the receiver per sector, of a texel found at `towards` whose normal, of any length, is `emitter`.
+vec3 texel_light(Receiver receiver, Tap tap, vec3 emitter) {
 #if BITMASK_LIGHT
   float weight = 1.0f;
-  if (BITMASK_EMITTER == EMITTER_ONE_SIDED)
-    weight = dot(unpack_normal_octahedron(FETCH_NORMAL(tap.texel)), tap.towards) < 0.0f ? 1.0f : 0.0f;
-  if (BITMASK_EMITTER == EMITTER_COSINE)
-    weight = max(-dot(unpack_normal(FETCH_NORMAL(tap.texel)), normalize(tap.towards)), 0.0f);
+  if (BITMASK_EMITTER == EMITTER_ONE_SIDED) weight = dot(emitter, tap.towards) < 0.0f ? 1.0f : 0.0f;
+  if (BITMASK_EMITTER == EMITTER_COSINE) weight = max(-dot(normalize(emitter), normalize(tap.towards)), 0.0f);
   // Measures without the receiver's cosine take it at the sample (line 23); uniform solid angle is then worth twice.
   if (BITMASK_SECTOR_MEASURE == MEASURE_UNIFORM_ANGLE || BITMASK_SECTOR_MEASURE == MEASURE_SOLID_ANGLE)
     weight *= max(dot(receiver.normal, normalize(tap.towards)), 0.0f);
@@ -224,10 +221,11 @@ float turned_sine(float s, float cos_turn, float sin_turn) {
 // Walks from the receiver outwards along one side.
 void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) tally) {
   Steps steps = make_steps();
+  float start = sector_position(scale, slice.sin_gamma);
   float end = sector_position(scale, 1.0f);
   float cos_thickness = cos(radians(gi.thickness_angle));
   float sin_thickness = sin(radians(gi.thickness_angle));
-  float near = step_distance(side, steps, 0.0f);
+  float near = 0.5f;  // from the receiver's own texel on
 
   for (int i = 0; i < steps.count; ++i) {
     Tap tap = take_tap(receiver, side, steps, i);
@@ -271,26 +269,31 @@ void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) t
     float back = GI_THICKNESS_MODE == THICKNESS_INFINITE ? end : sector_position(scale, back_sine);
 
     Range range = sector_range(front, back);
+    Mask fresh = empty_mask();
     uint any = 0u;
     float fresh_worth = 0.0f;
-    float lit_worth = 0.0f;
     INSPECT_TALLY(tally);
     for (int word = 0; word < MASK_WORDS; ++word) {
-      uint fresh = hit ? range_word(range, word) & ~tally.covered.words[word] : 0u;
-      tally.covered.words[word] |= fresh;
-      any |= fresh;
-      if (BITMASK_LIGHT != 0 || GI_RADIUS_MODE == RADIUS_BALL_FALLOFF) fresh_worth += word_worth(fresh, word);
-#if BITMASK_LIGHT
-      if (BITMASK_EMITTER == EMITTER_HALF_SPACE && fresh != 0u) {
-        Range front_half = emitter_half_space(slice, scale, unpack_normal_octahedron(FETCH_NORMAL(tap.texel)));
-        lit_worth += word_worth(fresh & range_word(front_half, word), word);
-      }
-#endif
+      fresh.words[word] = hit ? range_word(range, word) & ~tally.covered.words[word] : 0u;
+      tally.covered.words[word] |= fresh.words[word];
+      any |= fresh.words[word];
+      if (GI_RADIUS_MODE == RADIUS_BALL_FALLOFF) fresh_worth += word_worth(fresh.words[word], word);
     }
     if (GI_RADIUS_MODE == RADIUS_BALL_FALLOFF) tally.worth += weight * fresh_worth;
 #if BITMASK_LIGHT
-    if (any != 0u)
-      tally.light += weight * (BITMASK_EMITTER == EMITTER_HALF_SPACE ? lit_worth : fresh_worth) * texel_light(receiver, tap);
+    if (any != 0u) {
+      vec3 emitter = vec3(0.0f);
+      Range lit = range;
+      if (BITMASK_EMITTER != EMITTER_NONE) emitter = unpack_normal_octahedron(FETCH_NORMAL(tap.texel));
+      if (BITMASK_EMITTER == EMITTER_HALF_SPACE) lit = emitter_half_space(slice, scale, start, end, emitter);
+      float lit_worth = 0.0f;
+      for (int word = 0; word < MASK_WORDS; ++word)
+        lit_worth += word_worth(BITMASK_EMITTER == EMITTER_HALF_SPACE
+                                    ? fresh.words[word] & range_word(lit, word)
+                                    : fresh.words[word],
+                                word);
+      tally.light += weight * lit_worth * texel_light(receiver, tap, emitter);
+    }
 #endif
     INSPECT_BITS(i, tap, hit, front, back, weight, tally);
   }
