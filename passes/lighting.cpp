@@ -19,6 +19,7 @@ int ambient_variant(const GiResult& gi) {
 
 LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
   LightingPass pass;
+  pass.pipelines = &pipelines;
   for (int sun = 0; sun < 2; ++sun)
     for (int tiles = 0; tiles < 2; ++tiles)
       for (int grid = 0; grid < 2; ++grid)
@@ -54,12 +55,18 @@ void feed_lights(graph::Graph& graph, graph::PassBuilder& pass, const DirectLigh
         .in("cluster_lights", graph.import("lights.cluster_lights", *l.lights.cluster_lights));
 }
 
-Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const DirectLights& lights) {
+Radiance add_direct(graph::Graph& graph, LightingPass& pass, const GBuffer& g, const DirectLights& lights) {
   const Radiance out{graph.image("direct.diffuse", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
                      graph.image("direct.specular", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT}),
                      graph.image("direct.radiance", {g.size, VK_FORMAT_R32_UINT})};
-  const gpu::Pipeline pipeline =
-      pass.direct[lights.maps.sun.valid()][lights.maps.tiles.valid()][lights.lights.has_grid];
+  const bool sun = lights.maps.sun.valid(), tiles = lights.maps.tiles.valid(), grid = lights.lights.has_grid,
+             screen = lights.shadow_params.enabled && lights.shadow_params.screen_samples > 0;
+  gpu::Pipeline& pipeline = (screen ? pass.direct_screen : pass.direct)[sun][tiles][grid];
+  if (!pipeline.interface) {
+    gpu::Defines defines = light_defines(sun, tiles, grid);
+    defines.emplace_back("SCREEN_SHADOWS", "1");
+    pipeline = pass.pipelines->fullscreen("direct.frag", defines);
+  }
   auto builder = graph.fullscreen("direct.light", pipeline,
                                   "Sun, point and spot lights: diffuse and specular, and the GI's source");
   builder.in("depth", g.depth)
@@ -70,6 +77,7 @@ Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer
       .out("direct_diffuse", out.diffuse)
       .out("direct_specular", out.specular)
       .out("radiance", out.radiance);
+  if (screen && !sun && !tiles) builder.params(lights.shadow_params);  // else feed_lights gives them
   feed_lights(graph, builder, lights);
   return out;
 }

@@ -26,7 +26,9 @@ gpu::Defines ambient_defines(int variant, bool environment_map);
 int ambient_variant(const GiResult& gi);
 
 struct LightingPass {
-  gpu::Pipeline direct[2][2][2];                 // [sun is shadowed][tiles][grid]
+  gpu::Pipeline direct[2][2][2];         // [sun is shadowed][tiles][grid]
+  gpu::Pipeline direct_screen[2][2][2];  // with shadows from the depth buffer; made when first used
+  gpu::Pipelines* pipelines = nullptr;
   gpu::Pipeline composite[2][ambient_variants];  // [has gi]
   gpu::Pipeline tonemap;
 };
@@ -45,7 +47,7 @@ struct DirectLights {
 gpu::Defines light_defines(bool sun_map, bool tile_maps, bool grid);
 void feed_lights(graph::Graph& graph, graph::PassBuilder& pass, const DirectLights& lights);
 
-Radiance add_direct(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const DirectLights& lights);
+Radiance add_direct(graph::Graph& graph, LightingPass& pass, const GBuffer& gbuffer, const DirectLights& lights);
 // RGBA16F, linear radiance before tone mapping.
 graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const Radiance& direct,
                          const GiResult& gi, const SceneTables& scene, const EnvironmentMaps& environment);

@@ -32,7 +32,12 @@ namespace nf::passes {
   P(Float, most_filter, 24.0f, 1.0f, 128.0f, "texels", "Greatest radius of the filter, of soft shadows")             \
   P(Float, normal_bias, 0.35f, 0.0f, 16.0f, "",                                                                      \
     "How far a receiver is moved along its normal, in texel diagonals times the sine of the light's angle")          \
-  P(Float, bias, 0.1f, 0.0f, 16.0f, "texels", "How far a receiver is moved towards the light")
+  P(Float, bias, 0.1f, 0.0f, 16.0f, "texels", "How far a receiver is moved towards the light")                       \
+  P(Int, screen_samples, 0, 0, 64, "",                                                                               \
+    "Lights without a map are shadowed by the depth buffer: points towards each that are looked up in it; 0: not")   \
+  P(Float, screen_length, 1.0f, 0.001f, 10000.0f, "m", "How far towards the light these points go")                  \
+  P(Float, screen_thickness, 0.2f, 0.0f, 10000.0f, "m",                                                              \
+    "How far behind a surface in view a point is still in it; 0: any point behind, as SSDO prints it")
 NF_DECLARE_PARAMS(ShadowParams, "shadow", NF_SHADOW_PARAMS)
 
 inline constexpr uint32_t max_cascades = 4;

@@ -1,15 +1,16 @@
 // Direct light of sun, point and spot lights: diffuse and specular apart, and the radiance that the GI gathers from
 // (direct diffuse + emission of this frame).
 #version 460
-#include "common/direct_light.glsl"
 #include "common/fetch.glsl"
+FETCH_FLOAT_IMAGE(depth);
+#define FETCH_DEPTH(texel) FETCH(depth, texel)
+#include "common/direct_light.glsl"
 #include "common/frame.glsl"
 #include "common/pack.glsl"
 #include "common/surface.glsl"
 #include "common/view.glsl"
 #include "params/lights"
 
-FETCH_FLOAT_IMAGE(depth);
 FETCH_UINT_IMAGE(normal);
 uniform texture2D albedo;
 uniform texture2D material;

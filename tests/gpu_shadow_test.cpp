@@ -303,6 +303,44 @@ TEST_F(Shadow, APointLightFillsARoomWithoutSeams) {
   EXPECT_GT(checked, 30000);
 }
 
+// Lights without a map are shadowed by the depth buffer: a second sun, and a lamp when there are no tiles. The wall's
+// height and distance say where its shadow ends; without samples there is none.
+TEST_F(Shadow, LightsWithoutAMapAreShadowedByTheScreen) {
+  for (const bool sun : {true, false}) {
+    Builder b;
+    const auto white = b.material({.base_color = vec3(1)});
+    add_floor(b, 8, white);
+    b.box({0, 0.25f, 0}, {0.1f, 0.25f, 3}, 0, white);  // half a metre high, its far side at x = 0.1
+    const vec3 lamp(-2, 2, 0);
+    if (sun) {
+      b.directional_light({0, -1, 0}, 1e-6f);  // the first has cascades
+      b.directional_light({1, -1, 0}, 1);
+    } else {
+      b.point_light(lamp, 5);
+      settings.shadow.tiles = 0;
+    }
+    settings.shadow.screen_length = 1.5f, settings.shadow.screen_thickness = 0.3f;
+    open(b, look({0.3f, 3, 0.4f}, {0.3f, 0, 0}, 60), {160, 90});
+    for (const int samples : {0, 48}) {
+      settings.shadow.screen_samples = samples;
+      auto layers = render();
+      int dark = 0, lit = 0, wrong = 0;
+      each_pixel(layers, [&](ivec2, vec3 at, float light) {
+        if (at.y > 0.01f || std::abs(at.z) > 0.7f || at.x < -1 || at.x > 1.2f) return;
+        // The top edge that ends the shadow is at (-0.1 or 0.1, 0.5): the far one.
+        const float end = sun ? 0.6f : 0.1f + 2.1f / 1.5f * 0.5f;
+        if (std::abs(at.x - end) < 0.05f || std::abs(at.x - 0.1f) < 0.05f || std::abs(at.x + 0.1f) < 0.05f) return;
+        const bool shadowed = samples > 0 && at.x > 0.1f && at.x < end;
+        (shadowed ? dark : lit) += 1;
+        if (shadowed != (light < 1e-4f)) ++wrong;
+      });
+      EXPECT_GT(lit, 1000) << sun;
+      EXPECT_GE(dark, samples > 0 ? 300 : 0) << sun;
+      EXPECT_LE(wrong, (dark + lit) / 200) << (sun ? "second sun" : "lamp") << ", " << samples << " samples";
+    }
+  }
+}
+
 // 500 lights with a range, cones among them: the grid gives the bytes of the loop over all.
 Builder many_lights() {
   Builder b;

@@ -1,5 +1,6 @@
 // Light of sun, point and spot lights at a point. SUN_SHADOW, TILE_SHADOWS, LIGHT_GRID: what there is of shadow maps and of
-// the grid (passes/lighting.cpp feeds them).
+// the grid (passes/lighting.cpp feeds them). SCREEN_SHADOWS: lights without a map are shadowed by the depth buffer; then
+// FETCH_DEPTH(texel).
 #ifndef NF_COMMON_DIRECT_LIGHT_GLSL
 #define NF_COMMON_DIRECT_LIGHT_GLSL
 
@@ -11,9 +12,14 @@
 #include "common/shadow.glsl"
 #include "params/light_view"
 #include "params/sun"
-#if defined(SUN_SHADOW) || defined(TILE_SHADOWS)
+#if defined(SUN_SHADOW) || defined(TILE_SHADOWS) || defined(SCREEN_SHADOWS)
 #include "params/shadow"
+#endif
+#if defined(SUN_SHADOW) || defined(TILE_SHADOWS)
 #include "common/shadow_filter.glsl"
+#endif
+#ifdef SCREEN_SHADOWS
+#include "common/screen_shadow.glsl"
 #endif
 
 layout(scalar) readonly buffer light_table { Light rows[]; } light_rows;
@@ -42,6 +48,15 @@ struct Receiver {
   vec2 spin;    // direction of this pixel's filter
   float dither;
 };
+
+// Of a light without a map, `distance` metres away.
+float screen_visibility(Receiver r, vec3 l, float distance) {
+#ifdef SCREEN_SHADOWS
+  return segment_visibility(r.position, r.plane, l, min(distance, shadow.screen_length), r.dither);
+#else
+  return 1.0;
+#endif
+}
 
 #ifdef SUN_SHADOW
 // The first cascade that has the point well inside; towards its border by a dither more and more often the next.
@@ -120,8 +135,11 @@ void add_light(uint row, Receiver r, inout vec3 diffuse, inout vec3 specular) {
   float n_l = dot(r.normal, l);
   if (n_l <= 0.0) return;
   float arriving = light_falloff(-dot(light.direction, l), light.cone_scale, light.cone_offset, d2, light.range) * n_l / d2;
+  if (arriving <= 0.0) return;
 #ifdef TILE_SHADOWS
-  if (light.tile >= 0 && arriving > 0.0) arriving *= tile_visibility(r, light, l);
+  arriving *= light.tile >= 0 ? tile_visibility(r, light, l) : screen_visibility(r, l, sqrt(d2));
+#else
+  arriving *= screen_visibility(r, l, sqrt(d2));
 #endif
   reflect_light(r, l, light.radiance * arriving, diffuse, specular);
 }
@@ -137,13 +155,17 @@ void direct_light(Receiver r, ivec2 pixel, float z, out vec3 diffuse, out vec3 s
   if (sun_cosine > 0.0) {
 #ifdef SUN_SHADOW
     sun_cosine *= sun_visibility(r);
+#else
+    sun_cosine *= screen_visibility(r, -sun.direction, 1e30);
 #endif
     reflect_light(r, -sun.direction, sun.irradiance * sun_cosine, diffuse, specular);
   }
   for (uint i = 0; i < light_view.suns; ++i) {
     Light light = light_rows.rows[i];
     float cosine = -dot(r.normal, light.direction);
-    if (cosine > 0.0) reflect_light(r, -light.direction, light.radiance * cosine, diffuse, specular);
+    if (cosine <= 0.0) continue;
+    cosine *= screen_visibility(r, -light.direction, 1e30);
+    reflect_light(r, -light.direction, light.radiance * cosine, diffuse, specular);
   }
   for (uint i = light_view.suns; i < light_view.global; ++i) add_light(i, r, diffuse, specular);
 #ifdef LIGHT_GRID
