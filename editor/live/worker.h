@@ -9,15 +9,11 @@
 #include <thread>
 #include <vector>
 
+#include "live/engine.h"
 #include "live/published.h"
 #include "live/wanted.h"
 
 namespace nf::editor::live {
-
-struct WorkerOptions {
-  gpu::DeviceOptions device;
-  graph::ExecutorOptions executor;
-};
 
 class Worker {
  public:
@@ -37,7 +33,6 @@ class Worker {
   uint64_t messages() const;
 
  private:
-  struct Engine;  // the renderer and all that lives on its device
   void run();
   bool has_work(const Engine& engine) const;
   void reload(Engine& engine, const std::vector<std::string>& changed);
