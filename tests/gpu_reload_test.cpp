@@ -185,6 +185,22 @@ TEST_F(Reload, LimitsAreFaultsToo) {
   EXPECT_NE(fault("gbuffer.vert", with_input).find("gbuffer.vert: reads the vertex input of location 9"),
             std::string::npos);
   EXPECT_EQ(fault("gbuffer.vert", vertex), "");
+
+  // Outputs: one that is gone, one more, another name. The frame has attachments for those it was written with.
+  const std::string declared = "layout(location = 0) out vec4 ldr;";
+  ASSERT_NE(tonemap.find(declared), tonemap.npos);
+  const auto edited = [&](const std::string& to) {
+    std::string text = tonemap;
+    return text.replace(text.find(declared), declared.size(), to);
+  };
+  EXPECT_NE(fault("tonemap.frag", edited("vec4 ldr;")).find("tonemap.frag: its outputs were ldr, and are none"),
+            std::string::npos);
+  std::string more = edited(declared + "\nlayout(location = 1) out vec4 more;");
+  more.insert(more.rfind('}'), "  more = ldr;\n");
+  EXPECT_NE(fault("tonemap.frag", more).find("are ldr, more"), std::string::npos);
+  EXPECT_NE(fault("tonemap.frag", edited("layout(location = 0) out vec4 other;\n#define ldr other")).find("are other"),
+            std::string::npos);
+  EXPECT_EQ(fault("tonemap.frag", tonemap), "");
 }
 
 }  // namespace

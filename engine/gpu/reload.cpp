@@ -45,6 +45,16 @@ uint32_t column_of(const std::string& line, const std::string& message) {
   return 0;
 }
 
+// The frame's passes name their attachments in C++, which stays as it is.
+std::string other_outputs(const ShaderInterface& old, const ShaderInterface& now) {
+  std::vector<std::string> before = old.color_outputs, after = now.color_outputs;
+  std::sort(before.begin(), before.end());
+  std::sort(after.begin(), after.end());
+  if (before == after) return {};
+  return fmt::format("its outputs were {}, and are {}: the pass has attachments for the first", fmt::join(before, ", "),
+                     after.empty() ? "none" : fmt::format("{}", fmt::join(after, ", ")));
+}
+
 }  // namespace
 
 std::vector<ReloadError> shader_errors(const ShaderCompiler& compiler, const std::string& text) {
@@ -69,6 +79,10 @@ std::vector<ReloadError> shader_errors(const ShaderCompiler& compiler, const std
 void Pipelines::replace(Row& row) {
   Row made = build(row.files, row.defines, row.state, &row.program.interface);
   ShaderInterface &old = row.program.interface, &interface = made.program.interface;
+  if (const std::string fault = other_outputs(old, interface); !fault.empty()) {
+    destroy(made);
+    fail(Exit::Shader, "{}: {}", row.files.back(), fault);
+  }
   interface.generation = old.generation;
   interface.revision = old.revision;
   const bool same_interface = interface == old;
