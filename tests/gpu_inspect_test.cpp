@@ -98,6 +98,8 @@ TEST_F(Inspect, RecordsAddUpToThePixel) {
       {"ssao", {"ssao.kernel=chapman", "ssao.range=quadratic", "ssao.self=bias", "ssao.damping=0.05"}},
       {"ssdo", {}},
       {"ssdo", {"ssdo.directions=uniform", "ssdo.sender=clamped", "ssdo.fade=0.25"}},
+      {"raymarch", {"raymarch.rays=12"}},
+      {"raymarch", {"raymarch.rays=7", "raymarch.hit=inside", "gi.thickness_mode=linear"}},
   };
   for (const Case& c : cases) {
     const passes::FrameSettings settings = settings_of(c.technique, c.assignments);
@@ -111,7 +113,8 @@ TEST_F(Inspect, RecordsAddUpToThePixel) {
       const Looked looked = look_into(renderer, view, settings);
       passes::Inspection seen = looked.inspection;
       ASSERT_EQ(seen.pixel, ivec2(pixel));
-      ASSERT_EQ(seen.slices.size(), seen.sectors < 0 ? 1u : 2u) << label;
+      const size_t rays = std::string_view(c.technique) == "raymarch" ? size_t(settings.gi.raymarch.rays) : 1;
+      ASSERT_EQ(seen.slices.size(), seen.sectors < 0 ? rays : 2u) << label;
       // The shader's own sums, before they are rounded to half floats.
       EXPECT_NEAR(seen.summed_visibility(), seen.visibility, 1e-4f) << label;
       EXPECT_LE(largest(seen.summed_gi() - seen.gi), 1e-4f + 1e-3f * largest(seen.gi)) << label;

@@ -34,23 +34,26 @@ ImU32 slice_color(int slice, int alpha = 255) {
 }
 
 // Not by colour alone: what counts is a disc, what adds nothing a ring, what is rejected a cross.
-void draw_dot(ImDrawList* list, ImVec2 at, float size, const InspectedSample& sample, const SliceView& s) {
+void draw_dot(ImDrawList* list, ImVec2 at, float size, const InspectedSample& sample, const SliceView& s,
+              int alpha = 255) {
   const bool rejected = sample.reason != InspectReason::Counted && sample.reason != InspectReason::NothingNew;
   ImU32 color = sample.reason == InspectReason::Counted ? IM_COL32(255, 255, 255, 255)
                 : rejected                              ? IM_COL32(235, 90, 80, 255)
                                                         : IM_COL32(170, 170, 175, 255);
   if (s.color == DotColor::Slice) color = slice_color(sample.slice);
+  color = (color & 0x00ffffffu) | ImU32(alpha) << 24;
+  const ImU32 dark = IM_COL32(0, 0, 0, alpha);
   if (rejected) {
     for (const float sign : {-1.0f, 1.0f}) {
       const ImVec2 a(at.x - size, at.y - sign * size), b(at.x + size, at.y + sign * size);
-      list->AddLine(a, b, IM_COL32(0, 0, 0, 255), 3);
+      list->AddLine(a, b, dark, 3);
       list->AddLine(a, b, color, 1.5f);
     }
   } else if (sample.reason == InspectReason::Counted) {
-    list->AddCircleFilled(at, size + 1.5f, IM_COL32(0, 0, 0, 255));
+    list->AddCircleFilled(at, size + 1.5f, dark);
     list->AddCircleFilled(at, size, color);
   } else {
-    list->AddCircle(at, size, IM_COL32(0, 0, 0, 255), 0, 3);
+    list->AddCircle(at, size, dark, 0, 3);
     list->AddCircle(at, size, color, 0, 1.5f);
   }
 }
@@ -61,10 +64,18 @@ int bits_of(const std::array<uint32_t, 4>& words) {
   return count;
 }
 
+// Where there are several lists of points they are rays.
+bool has_rays(const Inspection& in) {
+  return in.sectors < 0 && in.slices.size() > 1;
+}
+const char* slice_word(const Inspection& in) {
+  return has_rays(in) ? "ray" : "slice";
+}
+
 std::string describe(const Inspection& in, const InspectedSample& s) {
-  std::string text =
-      fmt::format("slice {}, side {}, step {}: {}\ntexel {}, {}, depth {:.4g} m, {:.3g} m away", s.slice, s.side,
-                  s.step, passes::inspect_reason_name(s.reason), s.texel.x, s.texel.y, s.depth, glm::length(s.towards));
+  std::string text = fmt::format("{} {}, side {}, step {}: {}\ntexel {}, {}, depth {:.4g} m, {:.3g} m away",
+                                 slice_word(in), s.slice, s.side, s.step, passes::inspect_reason_name(s.reason),
+                                 s.texel.x, s.texel.y, s.depth, glm::length(s.towards));
   if (in.sectors > 0)
     text += fmt::format("\nsectors {:.2f} to {:.2f}, {} of them new", s.front, s.back, bits_of(s.fresh));
   text += fmt::format("\ncounts by {:.3g}, takes {:.4g}", s.weight, s.taken);
@@ -168,8 +179,8 @@ void draw_half_disc(Editor& editor, const Inspection& in, const std::vector<size
 
 void draw_numbers(const live::Inspected& seen) {
   const Inspection& in = seen.data;
-  ImGui::Text("%s at %d, %d: %zu slices, %zu samples", seen.technique.c_str(), in.pixel.x, in.pixel.y, in.slices.size(),
-              in.samples.size());
+  ImGui::Text("%s at %d, %d: %zu %ss, %zu samples", seen.technique.c_str(), in.pixel.x, in.pixel.y, in.slices.size(),
+              slice_word(in), in.samples.size());
   ui::note("slices.technique", seen.technique);
   const float sum = in.summed_visibility();
   const glm::vec3 light = in.summed_gi();
@@ -250,20 +261,36 @@ void draw_samples(Editor& editor, float x, float y, float width, float height) {
   };
   const std::vector<size_t> rows = samples_of(in, s.slice);
   const ImVec2 mouse = ImGui::GetIO().MousePos;
-  size_t drawn = 0;
+  // While one slice is gone through the others step back.
+  const auto alpha = [&](int slice) { return s.shown >= 0 && slice != s.slice ? 80 : 255; };
+  if (has_rays(in)) {
+    std::vector<ImVec2> ends(in.slices.size(), place(in.pixel));
+    for (size_t i = 0; i < in.samples.size(); ++i) {
+      const InspectedSample& sample = in.samples[i];
+      if (sample.reason == InspectReason::OffScreen || !is_shown(s, rows, i)) continue;
+      const ImVec2 next = place(sample.texel);
+      const bool selected = sample.slice == s.slice;
+      list->AddLine(ends[size_t(sample.slice)], next,
+                    slice_color(sample.slice, selected ? 255 : alpha(sample.slice) / 2), selected ? 2.0f : 1.0f);
+      ends[size_t(sample.slice)] = next;
+    }
+  }
+  size_t drawn = 0, dimmed = 0;
   const InspectedSample* under = nullptr;
   for (size_t i = 0; i < in.samples.size(); ++i) {
     const InspectedSample& sample = in.samples[i];
     if (sample.reason == InspectReason::OffScreen || !is_shown(s, rows, i)) continue;
     const ImVec2 p = place(sample.texel);
-    draw_dot(list, p, line * (sample.slice == s.slice ? 0.2f : 0.12f), sample, s);
+    draw_dot(list, p, line * (sample.slice == s.slice ? 0.2f : 0.12f), sample, s, alpha(sample.slice));
     ++drawn;
+    dimmed += alpha(sample.slice) < 255;
     if (editor.viewport.hovered && std::hypot(mouse.x - p.x, mouse.y - p.y) < line * 0.35f) under = &sample;
   }
   if (s.shown > 0 && size_t(s.shown) <= rows.size())
     list->AddCircle(place(in.samples[rows[size_t(s.shown - 1)]].texel), line * 0.5f, fresh_edge, 0, 2.5f);
   list->PopClipRect();
   ui::note_area("viewport.samples", x, y, width, height, fmt::format("{}", drawn));
+  ui::note_area("viewport.samples.dimmed", x, y, width, height, fmt::format("{}", dimmed));
   if (under) ImGui::SetTooltip("%s", describe(in, *under).c_str());
 }
 
@@ -307,7 +334,7 @@ void draw_slices_panel(Editor& editor) {
   ImGui::SameLine();
   if (ui::button("slices.save", "Export JSON", "All records, into captures/")) s.save_asked = true;
   ImGui::SetNextItemWidth(line * 8);
-  if (in.slices.size() > 1) ui::slider_int("slices.slice", "slice", s.slice, 0, int(in.slices.size()) - 1);
+  if (in.slices.size() > 1) ui::slider_int("slices.slice", slice_word(in), s.slice, 0, int(in.slices.size()) - 1);
   const std::vector<size_t> rows = samples_of(in, s.slice);
   s.shown = std::min(s.shown, int(rows.size()));
   if (ui::button("slices.first", "none", "No sample yet")) s.shown = 0;

@@ -46,9 +46,9 @@ InspectRequest make_inspect_request(const GiSettings& settings, glm::ivec2 pixel
   const glm::ivec2 texel = glm::clamp((pixel + border - offset) / factor, glm::ivec2(0), glm::max(small - 1, 0));
   request.block.x = texel.x;
   request.block.y = texel.y;
-  request.block.slices = settings.shared.slices;
-  request.block.samples =
-      std::max({2 * settings.shared.slices * settings.shared.steps, settings.ssao.samples, settings.ssdo.samples});
+  request.block.slices = std::max(settings.shared.slices, settings.raymarch.rays);
+  request.block.samples = std::max({2 * settings.shared.slices * settings.shared.steps, settings.ssao.samples,
+                                    settings.ssdo.samples, settings.raymarch.rays * settings.shared.steps});
   return request;
 }
 

@@ -183,8 +183,14 @@ int inspect_horizon_reason(float depth, bool outside, float taken) {
                                      : INSPECT_NOTHING_NEW,                                                                 \
                  probe.texel, probe.depth, offset, probe.behind, probe.behind, 1.0f, lost, found)
 #define INSPECT_GAIN(gain) inspect_gain = vec3(gain)
+// A ray stands for a slice; its points are told by INSPECT_POINT.
+#define INSPECT_RAY(number, share, ray_direction, receiver)                                                               \
+  inspect_slice = number;                                                                                                 \
+  if (inspected)                                                                                                          \
+  inspect_slice_row(share, share, share, 0.0f, 1.0f, 0.0f, 1.0f, ray_direction, ray_direction, receiver.normal)
 
 #else
+#define INSPECT_RAY(number, share, ray_direction, receiver)
 #define INSPECT_HORIZON(s, covered, light)
 #define INSPECT_RAISED(step_number, tap, outside, horizon_sine, sample_sine, taken, light)
 #define INSPECT_LOCAL_SLICE(factor, base, direction, tangent, v)

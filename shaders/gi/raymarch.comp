@@ -23,7 +23,9 @@ vec3 environment_over(vec3 normal) { return vec3(0.0f); }
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (pixel.x >= frame.size.x || pixel.y >= frame.size.y) return;
+  INSPECT_BEGIN(pixel);
   Gathered gathered = estimate_raymarch(pixel);
+  INSPECT_END(-1, gathered.visibility, gathered.gi);
   imageStore(visibility, pixel, vec4(gathered.visibility));
   imageStore(light, pixel, vec4(gathered.gi, 1.0f));
   imageStore(bent, pixel, vec4(gathered.bent, 0.0f));

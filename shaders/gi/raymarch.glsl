@@ -7,6 +7,7 @@
 #define NF_GI_RAYMARCH_GLSL
 
 #include "gi/hemisphere.glsl"
+#include "gi/inspect.glsl"
 
 const int HIT_CROSSING = 0;
 
@@ -26,6 +27,7 @@ Gathered estimate_raymarch(ivec2 pixel) {
   result.ambient = vec3(0.0f);
   Receiver receiver = make_receiver(pixel);
   if (receiver.depth <= 0.0f) return result;
+  INSPECT_RECEIVER(receiver);
 
   vec3 noise = sampling_noise(pixel, frame.frame_index, frame.seed);
   // What an open hemisphere gives is known: rays that hit are taken off it, so that open surfaces are free of noise.
@@ -37,6 +39,7 @@ Gathered estimate_raymarch(ivec2 pixel) {
   for (int i = 0; i < rays; ++i) {
     vec3 u = turned_point(noise, i);
     vec3 direction = cosine_direction(receiver.normal, u.x, u.y);
+    INSPECT_RAY(i, share, direction, receiver);
     float last_depth = receiver.depth;
     bool hit = false;
     for (int k = 0; k < steps.count && !hit; ++k) {
@@ -45,7 +48,9 @@ Gathered estimate_raymarch(ivec2 pixel) {
       Probe probe = probe_at(receiver, offset);
       hit = hits(receiver, probe, offset, last_depth);
       last_depth = receiver.depth - offset.z;
+      INSPECT_LIGHT(result.gi);
       if (hit && faces(probe)) result.gi += share * unpack_rgb9e5(FETCH_RADIANCE(probe.texel));
+      INSPECT_POINT(k, probe, receiver, offset, false, hit, hit ? 1.0f : 0.0f, (result.gi - inspect_light) / share);
     }
     if (hit) {
       result.visibility -= share;
