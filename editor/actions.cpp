@@ -79,6 +79,7 @@ const Action table[] = {
     {"view.reset_layout", "View", "Reset the layout", "ctrl+shift+l", "",
      [](Editor& e) {
        const Preferences d;
+       e.preferences.floating.clear();
        e.preferences.left = d.left;
        e.preferences.right = d.right;
        e.preferences.bottom = d.bottom;
@@ -123,9 +124,10 @@ const Action table[] = {
        c.near = e.view.camera.near;
        go_to(e, c);
      }},
-    {"view.cancel", "", "Cancel", "escape", "Closes help, lets go of the pixel",
+    {"view.cancel", "", "Cancel", "escape", "Closes help, lets go of the pixel and of the pass that is previewed",
      [](Editor& e) {
        e.show_help = false;
+       e.locked_preview.reset();
        e.picking.locked = false;
      }},
     {"clock.play", "View", "Play or pause the clock", "space", "",

@@ -108,6 +108,7 @@ class App {
   live::Wanted last_;
   std::span<const std::byte> shown_;
   std::string screenshot_, state_text_, title_;
+  glm::ivec4 screenshot_part_{0};
   double kept_at_ = 0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   bool font_ready_ = false;
@@ -127,11 +128,16 @@ void App::open() {
   ui::map_keys();
   if (!o_.ui_script.empty())
     script_ = std::make_unique<ui::Script>(
-        o_.ui_script, ui::Script::Host{[this](const std::string& path) { screenshot_ = path; },
+        o_.ui_script, ui::Script::Host{[this](const std::string& path, glm::ivec4 part) {
+                                         screenshot_ = path;
+                                         screenshot_part_ = part;
+                                       },
                                        [this] {
                                          e_.outbox.push_back({live::CommandKind::LoseDevice, {}, {}, {}});
                                        },
                                        [this] { e_.quit = true; }});
+  // A script's two clicks are a double click however slow the frames are.
+  if (script_) io.MouseDoubleClickTime = 1.5f;
   gpu::DeviceOptions device = device_options(o_);
   if (!o_.offscreen) {
     window_ = std::make_unique<Window>(size, "Nearfield", input_);
@@ -203,7 +209,7 @@ void App::take_events() {
     take_event(e_, event);
   }
   if (std::optional<live::Published> frame = worker_->take()) {
-    if (frame->compared && refiner_) refiner_->compare(e_, std::move(*frame->compared));
+    if (refiner_ && !frame->layers.empty()) refiner_->take_layers(e_, *frame);
     take_frame(e_, std::move(*frame));
   }
 }
@@ -214,8 +220,8 @@ void App::take_events() {
 void App::ask() {
   live::Wanted& w = e_.wanted;
   Document& d = e_.document;
-  const bool settings = !same(d.settings, sent_.settings), lights = !same(d.lights, sent_.lights),
-             seed = d.seed != sent_.seed;
+  const bool settings = !same(d.settings, sent_.settings) || e_.reference.split_on() != w.bare,
+             lights = !same(d.lights, sent_.lights), seed = d.seed != sent_.seed;
   if (settings || lights || seed) sent_ = d;
   if (settings || lights || seed || e_.view.moved) e_.last_change = e_.now;
   const Viewport& v = e_.viewport;
@@ -228,14 +234,23 @@ void App::ask() {
   const std::optional<glm::uvec2> inspect =
       s.on && !s.frozen ? std::optional(glm::min(glm::uvec2(e_.picking.place * glm::vec2(size)), size - 1u))
                         : std::nullopt;
+  // What is pointed at goes before the texture panel's.
+  const Preview* preview = preview_of(e_);
+  const std::optional<live::ProbeWanted> probe = preview && preview->probe ? preview->probe : e_.texture_asked;
+  const std::vector<std::string>& layers = e_.reference.wanted_layers;
+  const bool more_layers = std::any_of(layers.begin(), layers.end(), [&](const std::string& layer) {
+    return std::find(w.layers.begin(), w.layers.end(), layer) == w.layers.end();
+  });
   if (settings || lights || seed) ++w.history;
   if (lights) ++w.lights_revision;
   if (settings || lights || seed || e_.view.moved || size != w.size || v.layer != w.layer ||
-      e_.texture_asked != w.probe || inspect != w.inspect || (e_.reference.on && w.compared != e_.reference.layer))
+      (probe && probe != w.probe) || inspect != w.inspect || more_layers)
     ++w.revision;
   e_.view.moved = false;
   if (w.revision != e_.shown_revision) e_.frames_since_change = e_.settled = 0;
   w.settings = d.settings;
+  w.bare = e_.reference.split_on();
+  if (w.bare) w.settings.switch_off_reconstruction();
   w.lights = d.lights;
   w.seed = d.seed;
   w.camera = e_.view.camera;
@@ -243,9 +258,9 @@ void App::ask() {
   w.layer = v.layer;
   w.moving = moving;
   w.settle = uint32_t(e_.preferences.settle);
-  w.probe = e_.texture_asked;
+  w.probe = probe;
   w.inspect = inspect;
-  w.compared = e_.reference.on ? std::optional(e_.reference.layer) : std::nullopt;
+  w.layers = layers;
   if (e_.picking.asked) {
     e_.picking.asked = false;
     e_.picking.values = {};
@@ -303,7 +318,7 @@ void App::serve() {
     pictures_->set_picture(ui::PictureId::SlotA, e_.picture.size, std::span<const uint8_t>(e_.picture.rgba));
     toast(e_, "kept as A");
   }
-  if (!screenshot_.empty()) write_window(std::exchange(screenshot_, {}), e_, shown_);
+  if (!screenshot_.empty()) write_window(std::exchange(screenshot_, {}), e_, shown_, screenshot_part_);
   write_captures(e_, shown_, o_.validation);
   if (std::exchange(e_.fullscreen_asked, false) && window_) window_->toggle_fullscreen();
   if (e_.now - kept_at_ > 5) {
@@ -352,6 +367,7 @@ void App::frame() {
   io.DeltaTime = std::max(float(e_.now - before), 1e-4f);
   ui::widgets().clear();
   e_.texture_visible = false;
+  e_.shown_preview = std::exchange(e_.pointed, std::nullopt);
   ImGui::NewFrame();
   draw_layout(e_);
   ImGui::Render();
@@ -399,11 +415,12 @@ int App::run() {
     const double started = clock();
     frame();
     if (script_ || !o_.ui_state.empty()) {
-      const json state = make_state(e_, worker_->idle() && e_.settled >= e_.wanted.settle);
+      json state = make_state(e_, worker_->idle() && e_.settled >= e_.wanted.settle);
       if (!o_.ui_state.empty()) {
         const std::string text = state.dump(1) + "\n";
         if (text != state_text_) write_atomically(o_.ui_state, state_text_ = text);
       }
+      state["seconds"] = clock();
       if (script_ && script_->step(clock(), state, input_)) {
         if (!script_->failure().empty()) break;
         if (input_.empty()) e_.quit = true;
@@ -427,6 +444,11 @@ int App::run() {
 }
 
 }  // namespace
+
+const Preview* preview_of(const Editor& editor) {
+  const std::optional<Preview>& preview = editor.shown_preview ? editor.shown_preview : editor.locked_preview;
+  return preview ? &*preview : nullptr;
+}
 
 void toast(Editor& editor, std::string text, bool bad) {
   editor.toasts.push_back({std::move(text), editor.now + (bad ? 8 : 3.5), bad});

@@ -88,8 +88,15 @@ void capture_timings(Editor& e, bool validation) {
 
 }  // namespace
 
-void write_window(const std::string& path, const Editor& e, std::span<const std::byte> window) {
-  image::write_png(path, opaque(e.window, {reinterpret_cast<const uint8_t*>(window.data()), window.size()}));
+void write_window(const std::string& path, const Editor& e, std::span<const std::byte> window, glm::ivec4 part) {
+  const glm::ivec2 limit(e.window), low = glm::clamp(glm::ivec2(part), glm::ivec2(0), limit - 1),
+                                    high = glm::clamp(glm::ivec2(part) + glm::ivec2(part.z, part.w), low + 1, limit);
+  image::Image8 out{uint32_t(high.x - low.x), uint32_t(high.y - low.y), 3, {}};
+  for (int y = low.y; y < high.y; ++y)
+    for (int x = low.x; x < high.x; ++x)
+      for (size_t c = 0; c < 3; ++c)
+        out.pixels.push_back(uint8_t(window[(size_t(y) * e.window.x + size_t(x)) * 4 + c]));
+  image::write_png(path, out);
 }
 
 void write_captures(Editor& e, std::span<const std::byte> window_texels, bool validation) {
@@ -105,7 +112,7 @@ void write_captures(Editor& e, std::span<const std::byte> window_texels, bool va
     if (window || viewport) {
       const std::string path = new_file(fmt::format("{}-{}.png", window ? "window" : "picture", file_time()));
       if (window)
-        write_window(path, e, window_texels);
+        write_window(path, e, window_texels, {0, 0, int(e.window.x), int(e.window.y)});
       else if (e.picture.rgba.empty())
         save_pixels(path, e.picture, e.viewport.look);
       else

@@ -9,6 +9,7 @@ namespace nf::editor {
 
 // Carries out what panels and actions have asked of files. `window` holds the RGBA8 texels of the whole window.
 void write_captures(Editor& editor, std::span<const std::byte> window, bool validation);
-void write_window(const std::string& path, const Editor& editor, std::span<const std::byte> window);
+// `part`: x, y, width, height; what of it lies outside is left out.
+void write_window(const std::string& path, const Editor& editor, std::span<const std::byte> window, glm::ivec4 part);
 
 }  // namespace nf::editor

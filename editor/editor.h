@@ -12,6 +12,7 @@
 #include "document.h"
 #include "live/published.h"
 #include "live_reference.h"
+#include "live_split.h"
 #include "preset.h"
 #include "slice_view.h"
 #include "ui/input.h"
@@ -70,6 +71,14 @@ struct CameraControl {
   bool moved = false;   // in this frame
 };
 
+// What stands in the viewport in place of the scene while something is pointed at, or until Esc.
+struct Preview {
+  std::string title;
+  ui::PictureId id = ui::PictureId::Preview;
+  ui::PictureLook look;
+  std::optional<live::ProbeWanted> probe = {};  // an image of the frame, that has to be fetched first
+};
+
 struct TextureView {
   live::ProbeWanted wanted;
   bool frozen = false;
@@ -92,6 +101,18 @@ struct ReferenceView {
     float spp, rmse, floor;
   };
   std::vector<Point> curve;  // of this view
+  // The error in its two parts, of one quantity.
+  bool split = false, has_parts = false;
+  int quantity = 0;  // row of split_quantities()
+  LiveSplit::Result parts;
+  std::string split_note;
+  std::vector<std::string> wanted_layers;  // of the frames, for all this
+  bool split_on() const { return on && split; }
+};
+
+// A panel that was taken out of its tabs: window pixels.
+struct Floating {
+  float x = 0, y = 0, width = 0, height = 0;
 };
 
 struct Preferences {
@@ -103,6 +124,7 @@ struct Preferences {
   bool hints = true, hide_ui = false;
   float left = 0.24f, right = 0.26f, bottom = 0.3f;  // shares of the window
   std::string bottom_tab, right_tab;
+  std::map<std::string, Floating> floating;  // by the panel's name
 };
 
 struct Picking {
@@ -121,6 +143,14 @@ struct Editor {
   TextureView texture;
   SliceView slices;
   Picking picking;
+  std::optional<Preview> pointed, shown_preview, locked_preview;  // by this frame's panels; by the last one's; kept
+  // The image that was fetched for one.
+  struct {
+    live::ProbeWanted of;
+    live::Pixels pixels;
+    std::string error;
+    ui::PictureLook look;
+  } fetched;
   ReferenceView reference;
   Preferences preferences;
 
@@ -158,6 +188,7 @@ struct Editor {
   std::string save_preset, save_texture;  // a path; an ending
   bool save_curve = false;
   bool texture_visible = false;  // in this frame
+  std::string carried;           // the panel that was pulled out and is not let go of yet
   std::optional<live::ProbeWanted> texture_asked;
   bool capture_asked = false, save_layers = false, copy_command = false, fullscreen_asked = false;
   uint64_t picture_hash = 0;
@@ -173,6 +204,8 @@ struct Editor {
   float scale() const { return preferences.ui_scale * display_scale; }
 };
 
+// What stands in the viewport in place of the scene, if anything.
+const Preview* preview_of(const Editor& editor);
 void toast(Editor& editor, std::string text, bool bad = false);
 // The camera stands as this one does.
 void go_to(Editor& editor, const scene::Camera& camera);

@@ -103,7 +103,15 @@ void take_frame(Editor& e, live::Published&& frame) {
   }
   if (frame.inspected && e.slices.on && !e.slices.frozen) e.slices.seen = std::move(frame.inspected);
   if (frame.picked) e.picking.values = std::move(*frame.picked);
-  if (!e.texture.frozen) {
+  const Preview* preview = preview_of(e);
+  if (frame.probe_of && preview && preview->probe == frame.probe_of) {
+    e.fetched.of = *frame.probe_of;
+    e.fetched.error = frame.probe_error;
+    e.fetched.pixels = frame.probe ? std::move(*frame.probe) : live::Pixels{};
+    if (frame.probe)
+      e.pictures->set_picture(ui::PictureId::Preview, e.fetched.pixels.size,
+                              std::span<const float>(e.fetched.pixels.floats));
+  } else if (!e.texture.frozen && (!frame.probe_of || *frame.probe_of == e.texture.wanted)) {
     e.texture.error = frame.probe_error;
     if (frame.probe) {
       e.texture.pixels = std::move(*frame.probe);

@@ -19,6 +19,7 @@ struct Tab {
   const char* name;
   void (*draw)(Editor&);
 };
+constexpr const char* floating_id = "##floating";
 constexpr Tab right_tabs[] = {{"Pixel", draw_pixel_panel},
                               {"Slices", draw_slices_panel},
                               {"Texture", draw_texture_panel},
@@ -29,17 +30,78 @@ constexpr Tab bottom_tabs[] = {{"Timings", draw_timings_panel},
                                {"Memory", draw_memory_panel},
                                {"Log", draw_log_panel}};
 
+// A double click on the tab, or pulling it away from its bar.
+bool is_taken_out() {
+  if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0)) return true;
+  const float low = ImGui::GetItemRectMin().y, high = ImGui::GetItemRectMax().y, y = ImGui::GetIO().MousePos.y;
+  const float far = 1.5f * (high - low);
+  return ImGui::IsItemActive() && ImGui::IsMouseDragging(0) && (y < low - far || y > high + far);
+}
+
+void take_out(Editor& editor, const char* name) {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const float line = ImGui::GetFontSize();
+  const float width = std::min(line * 34, float(editor.window.x) * 0.6f),
+              height = std::min(line * 26, float(editor.window.y) * 0.6f);
+  editor.preferences.floating[name] = {mouse.x - line * 4, mouse.y - line * 0.6f, width, height};
+  editor.carried = name;
+}
+
 // `wanted` names a tab to switch to, and is then forgotten.
 void draw_tabs(Editor& editor, const char* bar, std::span<const Tab> tabs, std::string& wanted) {
   for (const Tab& tab : tabs) {
-    const ImGuiTabItemFlags flags = wanted == tab.name ? ImGuiTabItemFlags_SetSelected : 0;
-    const bool open = ImGui::BeginTabItem(tab.name, nullptr, flags);
+    const bool asked = wanted == tab.name;
+    if (editor.preferences.floating.count(tab.name)) {
+      if (asked) ImGui::SetWindowFocus((std::string(tab.name) + floating_id).c_str());
+      if (asked) wanted.clear();
+      continue;
+    }
+    const bool open = ImGui::BeginTabItem(tab.name, nullptr, asked ? ImGuiTabItemFlags_SetSelected : 0);
     ui::note(std::string(bar) + "." + tab.name, open ? "open" : "closed");
-    if (flags) wanted.clear();
+    if (asked) wanted.clear();
+    if (is_taken_out()) take_out(editor, tab.name);
+    ui::tooltip("Double click, or pull away: a window of its own");
     if (!open) continue;
     tab.draw(editor);
     ImGui::EndTabItem();
   }
+}
+
+// A panel in a window of its own, within this one. Its close button puts it back among the tabs.
+void draw_floating(Editor& editor, const Tab& tab) {
+  const auto found = editor.preferences.floating.find(tab.name);
+  if (found == editor.preferences.floating.end()) return;
+  Floating& f = found->second;
+  const float line = ImGui::GetFontSize(), title = ImGui::GetFrameHeight();
+  const bool carried = editor.carried == tab.name;
+  if (carried) {
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    f.x = std::clamp(mouse.x - line * 4, 0.0f, std::max(float(editor.window.x) - f.width, 0.0f));
+    f.y = std::clamp(mouse.y - title / 2, 0.0f, std::max(float(editor.window.y) - f.height, 0.0f));
+    if (!ImGui::IsMouseDown(0)) editor.carried.clear();
+  }
+  ImGui::SetNextWindowPos(ImVec2(f.x, f.y), carried ? ImGuiCond_Always : ImGuiCond_Appearing);
+  ImGui::SetNextWindowSize(ImVec2(f.width, f.height), ImGuiCond_Appearing);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  bool open = true;
+  const bool visible = ImGui::Begin((std::string(tab.name) + floating_id).c_str(), &open,
+                                    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::PopStyleVar();
+  // Where the user's hand has moved it to in this frame; its title can always be reached.
+  const ImVec2 size = ImGui::GetWindowSize();
+  ImVec2 at = ImGui::GetWindowPos();
+  at.x = std::clamp(at.x, line * 4 - size.x, std::max(float(editor.window.x) - line * 4, line * 4 - size.x));
+  at.y = std::clamp(at.y, 0.0f, std::max(float(editor.window.y) - title, 0.0f));
+  ImGui::SetWindowPos(at);
+  f = {at.x, at.y, size.x, size.y};
+  const std::string id = std::string("floating.") + tab.name;
+  ui::note_area(id, at.x, at.y, size.x - title, title,
+                fmt::format("{:.0f} {:.0f} {:.0f} {:.0f}", f.x, f.y, f.width, f.height));
+  ui::note_area(id + ".close", at.x + size.x - title, at.y, title, title);
+  ui::note_area(id + ".grip", at.x + size.x - line * 0.6f, at.y + size.y - line * 0.6f, line * 0.5f, line * 0.5f);
+  if (visible) tab.draw(editor);
+  ImGui::End();
+  if (!open) editor.preferences.floating.erase(found);
 }
 
 void draw_menu(Editor& editor) {
@@ -219,6 +281,8 @@ void draw_layout(Editor& editor) {
   splitter("splitter.left", ImVec2(left, top), ImVec2(gap, upper), p.left, 1, width);
   if (!narrow) splitter("splitter.right", ImVec2(width - right - gap, top), ImVec2(gap, upper), p.right, -1, width);
   splitter("splitter.bottom", ImVec2(0, top + upper), ImVec2(width, gap), p.bottom, -1, room);
+  for (const Tab& tab : right_tabs) draw_floating(editor, tab);
+  for (const Tab& tab : bottom_tabs) draw_floating(editor, tab);
   draw_status(editor, height - status, status);
   draw_hints(editor);
   draw_help(editor);

@@ -48,6 +48,12 @@ uint8_t tone_map(float x, const passes::TonemapParams& tonemap) {
 }  // namespace
 
 void Refiner::take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene) {
+  // Each has a copy of its own; the tracer asked first where both did.
+  if (!asked_ && split_asked_) {
+    split_asked_ = false;
+    split_scene_ = std::move(scene);
+    return;
+  }
   asked_ = false;
   if (!editor.reference.on || !scene) return;
   LiveSettings settings{.tracer = tracer_settings(editor), .layers = layers};
@@ -66,15 +72,19 @@ void Refiner::take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene) {
 
 void Refiner::update(Editor& editor) {
   ReferenceView& r = editor.reference;
+  r.wanted_layers.clear();
   if (!r.on || !editor.scene_ready) {
     if (running_) tracer_.stop();
     running_ = false;
     r.picture = {};
+    update_split(editor);
     return;
   }
   const bool known = std::find(layers.begin(), layers.end(), editor.viewport.layer) != layers.end();
   r.layer = known ? editor.viewport.layer : "";
   r.note = tracer_.error();
+  r.wanted_layers.push_back(r.layer);
+  update_split(editor);
   if (!editor.wanted.moving && !asked_) {
     const bool other = !running_ || scene_ != editor.wanted.scene || lights_ != editor.wanted.lights_revision ||
                        settings_ != settings_text(tracer_settings(editor));
@@ -93,9 +103,9 @@ void Refiner::update(Editor& editor) {
   if (running_ && tracer_.poll(r.picture)) show(editor);
 }
 
-void Refiner::compare(Editor& editor, live::Pixels&& pixels) {
-  compared_ = {pixels.size.x, pixels.size.y, 4, std::move(pixels.floats)};
-  compared_name_ = pixels.name;
+void Refiner::compare(Editor& editor, image::Layer&& layer) {
+  compared_ = std::move(layer.image);
+  compared_name_ = layer.name;
   if (editor.reference.picture.spp > 0) show(editor);
 }
 

@@ -1,9 +1,17 @@
 // Keeps the path tracer at the view that the window shows, and the picture's error against it up to date.
 #pragma once
 
+#include <span>
+
 #include "editor.h"
 
 namespace nf::editor {
+
+// What the error can be split of: as `nearfield evaluate` has it.
+struct SplitQuantity {
+  const char *name, *test, *truth, *same;
+};
+std::span<const SplitQuantity> split_quantities();
 
 class Refiner {
  public:
@@ -11,11 +19,14 @@ class Refiner {
   void update(Editor& editor);
   // The scene that was asked for (live::CommandKind::CopyScene).
   void take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene);
-  // A frame's layer to compare.
-  void compare(Editor& editor, live::Pixels&& pixels);
+  // What came of `wanted_layers` with a frame; moved out.
+  void take_layers(Editor& editor, live::Published& frame);
 
  private:
   void show(Editor& editor);
+  void compare(Editor& editor, image::Layer&& layer);
+  void update_split(Editor& editor);
+  void show_split(Editor& editor);
   LiveReference tracer_;
   bool asked_ = false, running_ = false;
   uint64_t scene_ = 0, lights_ = 0;
@@ -24,6 +35,13 @@ class Refiner {
   std::string settings_;  // what of the settings the tracer heeds, as text
   image::Image compared_;
   std::string compared_name_;
+  // The error's parts.
+  LiveSplit split_;
+  bool splitting_ = false;  // or waiting for a frame to begin with
+  std::unique_ptr<scene::Scene> split_scene_;
+  bool split_asked_ = false;  // for a copy of the scene
+  // As text: what the tracer and all of it were begun with, the scene it has, and the one that was asked for.
+  std::string split_truth_, split_view_, split_has_, split_copied_;
 };
 
 }  // namespace nf::editor

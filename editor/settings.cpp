@@ -78,6 +78,9 @@ std::string load_settings(Editor& editor, bool reset) {
     });
     p.scale_chosen = values.value("scale_chosen", false);
     p.hints = values.value("hints", true);
+    const json floating = values.value("floating", json::object());
+    for (const auto& [name, place] : floating.items())
+      p.floating[name] = {place.at(0), place.at(1), place.at(2), place.at(3)};
     p.settle = std::clamp(values.value("settle", p.settle), 1, 1024);
     kept_bookmarks = settings.value("bookmarks", json::object());
     editor.preferences = p;
@@ -98,6 +101,8 @@ std::string save_settings(const Editor& editor) {
   values["scale_chosen"] = p.scale_chosen;
   values["hints"] = p.hints;
   values["settle"] = p.settle;
+  values["floating"] = json::object();
+  for (const auto& [name, place] : p.floating) values["floating"][name] = {place.x, place.y, place.width, place.height};
   if (editor.scene_ready) kept_bookmarks[scene_key(editor.scene.path)] = to_json(editor.document.bookmarks);
   const std::string text =
       json{{"schema", "nearfield.editor/1"}, {"preferences", values}, {"bookmarks", kept_bookmarks}}.dump(1) + "\n";

@@ -90,6 +90,15 @@ TEST_F(GuiTest, ThePixelTakenApartAddsUp) {
   EXPECT_EQ(bits, taken) << "each new sector counts once";
 }
 
+// A panel taken out of its tabs is moved, resized and put back; one that is out is still out in the next run.
+TEST_F(GuiTest, PanelsStandInWindowsOfTheirOwn) {
+  PLAYS(play(script_text("floating.jsonl")));
+  PLAYS(
+      play("{\"wait\": \"widgets.floating.Scene.value != null && widgets.inspector.Scene.value == null\"}\n"
+           "{\"key\": \"ctrl+shift+l\"}\n"
+           "{\"wait\": \"widgets.floating.Scene.value == null && widgets.inspector.Scene.value != null\"}\n"));
+}
+
 TEST_F(GuiTest, AFailedExpectationFails) {
   const Outcome outcome = play("{\"wait\": \"scene_frames >= 1\"}\n{\"expect\": \"technique == gtao\"}\n");
   EXPECT_EQ(outcome.code, 1);

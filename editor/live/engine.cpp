@@ -156,7 +156,7 @@ Published Engine::frame(const Wanted& wanted) {
   if (anew) view.frame_index = 0;
   view.size = wanted.size;
   view.seed = wanted.seed;
-  view.averaged = false;
+  view.averaged = wanted.bare;
   view.camera = wanted.camera;
   view.inspect = wanted.inspect;
   move(wanted, anew);
@@ -173,12 +173,16 @@ Published Engine::frame(const Wanted& wanted) {
   if (outputs.nan_scan.found) built.readback("readback.nan_scan", outputs.nan_scan.found);
   built.readback("readback.picture", renderer->add_picture(built, outputs, wanted.settings));
   describe_graph(built, out);
-  const passes::Aov* compared = wanted.compared ? &passes::find_aov(*wanted.compared) : nullptr;
-  const graph::Tex compared_texels = compared ? renderer->add_layer(built, outputs, *compared) : graph::Tex{};
-  if (compared_texels) built.readback("readback.compared", compared_texels);
+  std::vector<const passes::Aov*> asked;
+  for (const std::string& name : wanted.layers)
+    if (const graph::Tex texels = renderer->add_layer(built, outputs, passes::find_aov(name))) {
+      built.readback("readback.asked", texels);
+      asked.push_back(&passes::find_aov(name));
+    }
   // What the user looks into is not part of the frame that the panels show.
   std::vector<const passes::Aov*> picked;
   if (wanted.pick_serial != pick || !save_layers.empty()) pick_layers(built, outputs, picked);
+  out.probe_of = wanted.probe;
   if (wanted.probe) out.probe_error = look_at(built, *wanted.probe);
   if (wanted.inspect) {
     out.inspected = Inspected{.technique = wanted.settings.technique->id,
@@ -218,13 +222,14 @@ Published Engine::frame(const Wanted& wanted) {
   out.record_ms = float(result.record_ms);
   out.submit_ns = int64_t(result.submit_ns);
 
-  collect(wanted, outputs, picked, out);
+  collect(wanted, outputs, asked, picked, out);
   return out;
 }
 
 // What was copied to the host, as the window takes it.
 void Engine::collect(const Wanted& wanted, const passes::FrameOutputs& outputs,
-                     const std::vector<const passes::Aov*>& picked, Published& out) {
+                     const std::vector<const passes::Aov*>& asked, const std::vector<const passes::Aov*>& picked,
+                     Published& out) {
   const passes::Aov* layer = wanted.layer.empty() ? nullptr : &passes::find_aov(wanted.layer);
   size_t next_pick = 0;
   std::vector<image::Layer> layers;
@@ -250,8 +255,8 @@ void Engine::collect(const Wanted& wanted, const passes::FrameOutputs& outputs,
           out.not_finite.push_back(fmt::format("{}: {} NaN, {} infinite of {}x{}, the first at {}, {}", image.image,
                                                image.nan, image.inf, image.size.width, image.size.height, image.first.x,
                                                image.first.y));
-    } else if (name == "readback.compared") {
-      out.compared = to_pixels(to_layer(passes::find_aov(*wanted.compared), readback));
+    } else if (name == "readback.asked") {
+      out.layers.push_back(to_layer(*asked[out.layers.size()], readback));
     } else if (name == "readback.inspection") {
       out.inspected->data = passes::read_inspection(outputs.inspection, readback);
     } else if (name == "readback.probe") {

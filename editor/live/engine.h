@@ -54,8 +54,8 @@ struct Engine {
 
  private:
   void describe_graph(const graph::Graph& built, Published& out);
-  void collect(const Wanted& wanted, const passes::FrameOutputs& outputs, const std::vector<const passes::Aov*>& picked,
-               Published& out);
+  void collect(const Wanted& wanted, const passes::FrameOutputs& outputs, const std::vector<const passes::Aov*>& asked,
+               const std::vector<const passes::Aov*>& picked, Published& out);
   void pick_layers(graph::Graph& graph, const passes::FrameOutputs& outputs, std::vector<const passes::Aov*>& picked);
   void move(const Wanted& wanted, bool anew);
 };

@@ -104,9 +104,10 @@ struct Published {
   double time = 0;                 // the scene's
   std::optional<GraphInfo> graph;  // when it is another than the last frame's
   std::optional<Picked> picked;
+  std::optional<ProbeWanted> probe_of;
   std::optional<Pixels> probe;
   std::string probe_error;
-  std::optional<Pixels> compared;
+  std::vector<image::Layer> layers;     // those that were wanted and are there
   std::vector<std::string> not_finite;  // debug.nan_scan: images with NaN or infinite texels, and where
   std::optional<Inspected> inspected;
   uint32_t draws = 0;

@@ -30,6 +30,7 @@ struct Wanted {
   uint64_t revision = 0, history = 0, lights_revision = 0;
   uint64_t scene = 0;  // SceneInfo::serial of the scene that camera and lights are meant for
   passes::FrameSettings settings;
+  bool bare = false;  // reconstruction is off in `settings`, whatever the document says: frames are averaged instead
   scene::Camera camera;
   SceneLights lights;
   glm::uvec2 size{1};
@@ -45,8 +46,7 @@ struct Wanted {
   glm::uvec2 pick{0};        // pixel of `size`
   std::optional<ProbeWanted> probe;
   std::optional<glm::uvec2> inspect;  // pixel of `size` that the technique takes apart, with each frame
-  // A layer to be held against the reference, with each frame: its floats come along.
-  std::optional<std::string> compared;
+  std::vector<std::string> layers;    // whose floats come along with each frame; "" is the final radiance
 };
 
 enum class CommandKind : uint8_t {

@@ -29,6 +29,34 @@ void probe(Editor& editor, const std::string& pass, const std::string& resource,
   editor.preferences.right_tab = "Texture";
 }
 
+}  // namespace
+
+std::optional<Preview> preview_after(const Editor& editor, const std::string& pass, const std::string& resource) {
+  const live::GraphInfo& g = editor.graph;
+  const auto row = std::find_if(g.passes.begin(), g.passes.end(), [&](const auto& p) { return p.name == pass; });
+  if (row == g.passes.end() || row->culled) return std::nullopt;
+  for (const live::GraphInfo::Use& use : g.uses) {
+    const live::GraphInfo::Resource& r = g.resources[use.resource];
+    if (use.pass != uint32_t(row - g.passes.begin()) || r.buffer || r.imported || !r.live) continue;
+    if (resource.empty() ? !use.write : r.name != resource) continue;
+    return Preview{.title = fmt::format("{} after {}", r.name, pass),
+                   .probe = live::ProbeWanted{.pass = pass, .resource = r.name}};
+  }
+  return std::nullopt;
+}
+
+void point_at(Editor& editor, std::optional<Preview> preview, bool hovered, bool clicked) {
+  if (!preview) return;
+  const bool locked = editor.locked_preview && editor.locked_preview->title == preview->title;
+  if (clicked && locked)
+    editor.locked_preview.reset();
+  else if (clicked)
+    editor.locked_preview = preview;
+  if (hovered) editor.pointed = std::move(preview);
+}
+
+namespace {
+
 // Text that rises to the right from `at`. Dear ImGui clips letters where it lays them out, so they are laid out where
 // nothing is clipped and then turned.
 void draw_slanted(ImDrawList* list, ImVec2 at, ImU32 color, const std::string& text) {
@@ -64,8 +92,13 @@ void draw_grid(Editor& editor) {
                     fmt::format("{}", g.passes[p].barrier_count).c_str());
     ImGui::SetCursorScreenPos(ImVec2(x, origin.y));
     ImGui::PushID(int(p));
-    ImGui::InvisibleButton("pass", ImVec2(cell, head));
+    const bool clicked = ImGui::InvisibleButton("pass", ImVec2(cell, head));
     ui::note("graph.pass." + g.passes[p].name, g.passes[p].culled ? "culled" : g.passes[p].kind);
+    const std::optional<Preview> preview = preview_after(editor, g.passes[p].name);
+    if (preview && editor.locked_preview && editor.locked_preview->title == preview->title)
+      list->AddRect(ImVec2(x, foot - line * 1.2f), ImVec2(x + cell, foot + cell * float(rows.size())),
+                    ImGui::GetColorU32(ImGuiCol_CheckMark));
+    point_at(editor, preview, ImGui::IsItemHovered(), clicked);
     if (ImGui::IsItemHovered()) {
       const auto time = std::find_if(editor.timings.rows.begin(), editor.timings.rows.end(),
                                      [&](const TimingHistory::Row& r) { return r.name == g.passes[p].name; });
@@ -76,6 +109,7 @@ void draw_grid(Editor& editor) {
       if (time != editor.timings.rows.end() && !time->ms.empty()) ImGui::Text("%.3f ms", double(time->ms.back()));
       ImGui::Text("%u barriers before it", g.passes[p].barrier_count);
       ImGui::TextDisabled("%s", g.passes[p].barriers.c_str());
+      if (preview) ImGui::TextUnformatted("in the viewport: what it writes first; click: keep it there, Esc: let go");
       ImGui::EndTooltip();
     }
     ImGui::PopID();
@@ -106,6 +140,7 @@ void draw_grid(Editor& editor) {
       if (ImGui::InvisibleButton("use", ImVec2(high.x - low.x, high.y - low.y)) && !r.buffer)
         probe(editor, g.passes[p].name, r.name, false);
       ui::note(fmt::format("graph.use.{}.{}", g.passes[p].name, r.name), read && write ? "rw" : read ? "r" : "w");
+      if (ImGui::IsItemHovered()) point_at(editor, preview_after(editor, g.passes[p].name, r.name), true, false);
       if (ImGui::IsItemHovered())
         ImGui::SetTooltip("%s %s %s%s%s\n%s %s, %.2f MiB\nclick: look at it after this pass", g.passes[p].name.c_str(),
                           read && write ? "reads and writes"

@@ -27,4 +27,9 @@ void draw_look(const std::string& id, ui::PictureLook& look, bool& auto_range, b
 // Smallest and largest number of the channels that are shown.
 void fit_range(const live::Pixels& pixels, ui::PictureLook& look);
 
+// An image as it is after a pass, for the viewport: `resource`, or what the pass writes first. None: there is none.
+std::optional<Preview> preview_after(const Editor& editor, const std::string& pass, const std::string& resource = {});
+// Shows it while it is hovered; a click keeps it, or lets it go.
+void point_at(Editor& editor, std::optional<Preview> preview, bool hovered, bool clicked);
+
 }  // namespace nf::editor

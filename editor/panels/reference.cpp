@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include "panels/panels.h"
+#include "refine.h"
 #include "ui/widgets.h"
 
 namespace nf::editor {
@@ -54,6 +55,77 @@ void row(const char* id, const char* name, const std::string& value, const char*
   ui::note(std::string("reference.") + id, value);
 }
 
+// One part's map; pointed at, it stands in the viewport, and clicked it stays there.
+void draw_map(Editor& editor, ui::PictureId id, const char* name, float width) {
+  const LiveSplit::Result& p = editor.reference.parts;
+  Preview preview{fmt::format("{} error, white = {:.3g}", name, p.range),
+                  id,
+                  {.show = ui::Show::FalseColor, .low = 0, .high = p.range}};
+  const ImVec2 size(width, std::max(width * float(p.size.y) / float(std::max(p.size.x, 1u)), 1.0f));
+  ImGui::BeginGroup();
+  if (void* picture = editor.pictures->show(id, preview.look))
+    ImGui::Image(picture, size);
+  else
+    ImGui::Dummy(size);
+  const bool clicked = ImGui::IsItemClicked(), hovered = ImGui::IsItemHovered();
+  ui::note(std::string("reference.map.") + name, fmt::format("{} {}", p.size.x, p.size.y));
+  ImGui::TextUnformatted(name);
+  ImGui::EndGroup();
+  point_at(editor, std::move(preview), hovered, clicked);
+}
+
+void draw_split(Editor& editor) {
+  ReferenceView& r = editor.reference;
+  ImGui::Separator();
+  ui::checkbox("reference.split", "error split: total = estimator + missing", r.split,
+               "Estimator: the technique against random rays through the same depth, normals and light, which is the "
+               "best that can be made of the screen. Missing: that against the path tracer, which is what the screen "
+               "does not show. While it is on the picture is the technique's own: no reconstruction, no feedback, no "
+               "antialiasing, as `nearfield evaluate` measures it.");
+  if (!r.split) return;
+  std::vector<std::string> names;
+  for (const SplitQuantity& q : split_quantities()) names.emplace_back(q.name);
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 8);
+  ui::combo("reference.split.quantity", "", r.quantity, names);
+  if (!r.split_note.empty()) ImGui::TextWrapped("%s", r.split_note.c_str());
+  if (!r.has_parts) {
+    ImGui::TextDisabled("the first samples are on their way ...");
+    return;
+  }
+  const LiveSplit::Result& p = r.parts;
+  ImGui::TextWrapped("%u frames; %u samples a pixel traced, %u marched, in %.1f s%s; mean of the truth %.4g", p.frames,
+                     p.spp, p.march_spp, p.seconds, p.complete ? ", done" : "", p.level);
+  ui::note("reference.split.spp", fmt::format("{}", p.spp));
+  if (ImGui::BeginTable("parts", 4, ImGuiTableFlags_RowBg)) {
+    for (const char* head : {"part", "bias", "RMSE", "floor"}) ImGui::TableSetupColumn(head);
+    ImGui::TableHeadersRow();
+    const std::pair<const char*, const image::ErrorPart*> rows[] = {
+        {"total", &p.split.total}, {"estimator", &p.split.estimator}, {"missing", &p.split.missing}};
+    for (const auto& [name, part] : rows) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(name);
+      ImGui::TableNextColumn();
+      ImGui::Text("%+.4g", part->bias);
+      ui::note(fmt::format("reference.split.{}.bias", name), fmt::format("{:.6g}", part->bias));
+      ImGui::TableNextColumn();
+      ImGui::Text("%.4g", part->rmse);
+      ui::note(fmt::format("reference.split.{}", name), fmt::format("{:.6g}", part->rmse));
+      ImGui::TableNextColumn();
+      ImGui::TextDisabled("%.2g", part->floor);
+    }
+    ImGui::EndTable();
+  }
+  const float gap = ImGui::GetStyle().ItemSpacing.x;
+  const float width = std::max((ImGui::GetContentRegionAvail().x - 2 * gap) / 3, 8.0f);
+  draw_map(editor, ui::PictureId::SplitTotal, "total", width);
+  ImGui::SameLine();
+  draw_map(editor, ui::PictureId::SplitEstimator, "estimator", width);
+  ImGui::SameLine();
+  draw_map(editor, ui::PictureId::SplitMissing, "missing", width);
+  ImGui::TextDisabled("absolute errors, %.3g = the brightest; pointed at: in the viewport", double(p.range));
+}
+
 }  // namespace
 
 void draw_reference_panel(Editor& editor) {
@@ -99,6 +171,7 @@ void draw_reference_panel(Editor& editor) {
   }
   ImGui::SameLine();
   if (ui::button("reference.csv", "save curve", "CSV: samples, RMSE, noise")) editor.save_curve = true;
+  draw_split(editor);
 }
 
 }  // namespace nf::editor

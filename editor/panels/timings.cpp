@@ -203,9 +203,9 @@ void draw_timings_panel(Editor& editor) {
   double sum = 0;
   for (const TimingRow& row : rows) sum += row.s.median;
   const int columns = t.baseline.empty() ? 7 : 8;
-  if (!ImGui::BeginTable(
-          "timings", columns,
-          ImGuiTableFlags_Sortable | ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerV))
+  if (!ImGui::BeginTable("timings", columns,
+                         ImGuiTableFlags_Sortable | ImGuiTableFlags_SortTristate | ImGuiTableFlags_RowBg |
+                             ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerV))
     return;
   ImGui::TableSetupScrollFreeze(0, 1);
   ImGui::TableSetupColumn("pass", ImGuiTableColumnFlags_WidthStretch | ImGuiTableColumnFlags_NoSort, 2.2f);
@@ -221,9 +221,18 @@ void draw_timings_panel(Editor& editor) {
     ImGui::TableNextRow();
     for (int c = 0; c < 7; ++c) {
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(row_text(row, c).c_str());
-      if (c == 0)
-        ui::note("timings.row." + row.name, fmt::format("{:.3f}", row.s.median)), ui::tooltip(row.description);
+      if (c > 0) {
+        ImGui::TextUnformatted(row_text(row, c).c_str());
+        continue;
+      }
+      const std::optional<Preview> preview = preview_after(editor, row.name);
+      const bool locked = preview && editor.locked_preview && editor.locked_preview->title == preview->title;
+      const bool clicked = ImGui::Selectable(("##" + row.name).c_str(), locked, ImGuiSelectableFlags_SpanAllColumns);
+      point_at(editor, preview, ImGui::IsItemHovered(), clicked);
+      ui::tooltip(row.description);
+      ImGui::SameLine();
+      ImGui::TextUnformatted(row.name.c_str());
+      ui::note("timings.row." + row.name, fmt::format("{:.3f}", row.s.median));
     }
     if (columns == 8) ImGui::TableNextColumn(), draw_delta(t, row.name, row.s);
   }

@@ -163,6 +163,44 @@ void draw_picture(Editor& editor, ImVec2 low, ImVec2 size) {
                                                     : "no reference yet: R starts one");
 }
 
+// What is pointed at, or what was clicked: its shape is kept. False: there is none.
+bool draw_preview(Editor& editor, ImVec2 low, ImVec2 size) {
+  const Preview* preview = preview_of(editor);
+  if (!preview) return false;
+  const auto title = [&](const std::string& text) {
+    const ImVec2 words = ImGui::CalcTextSize(text.c_str());
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    list->AddRectFilled(ImVec2(low.x + 4, low.y + 4), ImVec2(low.x + words.x + 14, low.y + words.y + 10),
+                        IM_COL32(0, 0, 0, 190), 3);
+    list->AddText(ImVec2(low.x + 9, low.y + 7), IM_COL32(255, 255, 255, 255), text.c_str());
+  };
+  if (preview->probe && (editor.fetched.of != *preview->probe || editor.fetched.pixels.floats.empty())) {
+    // The scene meanwhile: it is there soon.
+    const bool failed = editor.fetched.of == *preview->probe && !editor.fetched.error.empty();
+    draw_picture(editor, low, size);
+    title(preview->title + ": " + (failed ? editor.fetched.error : "on its way ..."));
+    return true;
+  }
+  const glm::uvec2 texels = editor.pictures->size_of(preview->id);
+  if (texels.x == 0 || texels.y == 0) return false;
+  const float scale = std::min(size.x / float(texels.x), size.y / float(texels.y));
+  ui::PictureLook look = preview->look;
+  if (preview->probe) fit_range(editor.fetched.pixels, look);
+  look.nearest = scale >= 2;
+  void* picture = editor.pictures->show(preview->id, look);
+  if (!picture) return false;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImVec2 extent(float(texels.x) * scale, float(texels.y) * scale);
+  const ImVec2 at(low.x + (size.x - extent.x) / 2, low.y + (size.y - extent.y) / 2);
+  list->AddRectFilled(low, low + size, IM_COL32(20, 20, 24, 255));
+  list->AddImage(picture, at, at + extent);
+  std::string text = preview->title;
+  if (preview->probe) text += fmt::format("   {:.4g} to {:.4g}", look.low, look.high);
+  title(text + (editor.shown_preview ? "" : "   (Esc: back to the scene)"));
+  ui::note_area("viewport.preview", at.x, at.y, extent.x, extent.y, preview->title);
+  return true;
+}
+
 void draw_overlay(Editor& editor, ImVec2 low, ImVec2 size) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float line = ImGui::GetFontSize();
@@ -273,9 +311,11 @@ void draw_viewport(Editor& editor) {
     editor.picking.asked = editor.picking.locked = true;
   }
   control_camera(editor, active);
-  draw_picture(editor, low, size);
-  draw_overlay(editor, low, size);
-  draw_samples(editor, low.x, low.y, size.x, size.y);
+  if (!draw_preview(editor, low, size)) {
+    draw_picture(editor, low, size);
+    draw_overlay(editor, low, size);
+    draw_samples(editor, low.x, low.y, size.x, size.y);
+  }
   draw_banner(editor, low, size);
 }
 

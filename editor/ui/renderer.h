@@ -18,7 +18,17 @@ struct ImFontAtlas;
 namespace nf::editor::ui {
 
 // The pictures there are. Each keeps its texels until it is set again.
-enum class PictureId : uint8_t { Scene, Layer, Reference, SlotA, Texture, Thumbnail, Count };
+enum class PictureId : uint8_t {
+  Scene,
+  Reference,
+  SlotA,
+  Texture,
+  Preview,
+  SplitTotal,
+  SplitEstimator,
+  SplitMissing,
+  Count
+};
 
 enum class Show : uint32_t { Rgb, Red, Green, Blue, Alpha, FalseColor };
 

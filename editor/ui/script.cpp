@@ -2,6 +2,7 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
+#include <fmt/format.h>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -160,6 +161,11 @@ bool Script::run(const json& line, const json& state, InputQueue& input, double)
     if (value) kept_[line.at("keep")] = *value;
     return true;
   }
+  if (line.contains("tell")) {
+    const json* value = find(state, line.at("of").get<std::string>());
+    fmt::print("{}: {}\n", line.at("tell").get<std::string>(), value ? value->dump() : "null");
+    return true;
+  }
   settle_ = line.value("frames", 3);
   if (line.contains("click") || line.contains("drag") || line.contains("hover")) {
     const char* what = line.contains("click") ? "click" : line.contains("drag") ? "drag" : "hover";
@@ -207,7 +213,16 @@ bool Script::run(const json& line, const json& state, InputQueue& input, double)
     return input.push({.kind = InputKind::Resize, .x = line.at("resize").at(0), .y = line.at("resize").at(1)}), true;
   if (line.contains("display_scale"))
     return input.push({.kind = InputKind::Scale, .x = line.at("display_scale")}), true;
-  if (line.contains("screenshot")) return host_.screenshot(line.at("screenshot")), true;
+  if (line.contains("screenshot")) {
+    glm::ivec4 part{0, 0, state.at("window").at(0).get<int>(), state.at("window").at(1).get<int>()};
+    if (line.contains("of")) {
+      const auto widget = state.at("widgets").find(line.at("of").get<std::string>());
+      if (widget == state.at("widgets").end()) return false;  // not there yet
+      const json& rect = widget->at("rect");
+      for (int i = 0; i < 4; ++i) part[i] = int(rect.at(size_t(i)).get<float>());
+    }
+    return host_.screenshot(line.at("screenshot"), part), true;
+  }
   if (line.contains("lose_device")) return host_.lose_device(), true;
   if (line.contains("quit")) return host_.quit(), true;
   if (line.contains("edit")) {

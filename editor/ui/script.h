@@ -7,7 +7,9 @@
 //   {"hover": id}, {"wheel": 2, "over": id}, {"type": "text"}, {"key": "ctrl+z"}
 //   {"expect": "params.gi.radius == 2"}       false ends the script with a failure
 //   {"keep": "before", "of": "picture_hash"}  later: {"expect": "picture_hash != $before"}
-//   {"drop": path}, {"resize": [w, h]}, {"display_scale": 2}, {"screenshot": path}
+//   {"tell": "first picture", "of": "seconds"}  one line on stdout; `seconds` are those since the start
+//   {"drop": path}, {"resize": [w, h]}, {"display_scale": 2}
+//   {"screenshot": path}                      "of": only what is within this widget
 //   {"edit": path, "replace": [from, to]}     changes a file, as another program would
 //   {"lose_device": true}, {"quit": true}
 //
@@ -15,6 +17,7 @@
 #pragma once
 
 #include <functional>
+#include <glm/glm.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -32,7 +35,7 @@ class Script {
  public:
   // What the script asks of the program besides input.
   struct Host {
-    std::function<void(const std::string& path)> screenshot;
+    std::function<void(const std::string& path, glm::ivec4 part)> screenshot;  // x, y, width, height
     std::function<void()> lose_device, quit;
   };
   // Throws nf::Error (Exit::Input) naming the line that is wrong.

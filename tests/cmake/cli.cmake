@@ -10,6 +10,6 @@ foreach(name cli_compare_test cli_reference_test)
   add_dependencies(${name} nearfield nearfield_scenes)
 endforeach()
 # Parts of the program that need no process.
-foreach(name preset_file_test live_reference_test)
+foreach(name preset_file_test live_reference_test live_split_test)
   nf_test(${name} nf_editor nf_content LABELS cpu.editor)
 endforeach()
