@@ -173,5 +173,67 @@ TEST_F(BenchTest, InterruptedItWritesWhatThereIs) {
   EXPECT_GT(doc["runs"][0]["frame"]["gpu_ms"]["count"], 0);
 }
 
+// A preset set of tables: ratios of costs, next to those of the figures that the file has from a paper.
+TEST_F(BenchTest, PaperTables) {
+  const std::string text = R"({"schema": "nearfield.paper_tables/1", "not_made": ["the rest"], "tables": [
+    {"id": "t", "title": "Steps", "source": "nobody", "size": "64x36", "over": {"row": "few"}, "unit": "fps",
+     "published_without": 50, "base": {"gi.slices": 4},
+     "columns": [{"id": "v", "label": "bitmask", "technique": "vbao"}],
+     "rows": [{"id": "few", "label": "4", "params": {"gi.steps": 4}, "published": {"v": 25}},
+              {"id": "many", "label": "64", "params": {"gi.steps": 64}, "published": {"v": 10}}]},
+    {"id": "s", "title": "Stages", "source": "nobody", "size": "64x36", "kind": "stages",
+     "form": {"technique": "vbgi", "params": {"denoise.method": "small"}},
+     "stages": [{"label": "march", "passes": ["vbgi.trace"], "published": 3},
+                {"label": "filter", "passes": ["denoise.prepare", "denoise.level1"], "published": 1}]}]})";
+  const auto set = [&](const std::string& name, const std::string& tables) {
+    std::filesystem::create_directories(folder / name);
+    std::ofstream(folder / name / "tables.json") << tables;
+    return out(name);
+  };
+  const auto measure = [&](const std::string& folder_name, const Words& more = {}) {
+    Words words = {"bench", scene(), "--preset-set", folder_name, "--frames", "4", "--warmup", "1", "--repeats", "2"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  };
+  const Outcome o = measure(set("good", text), {"--json", out("t.json"), "--markdown", out("t.md")});
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json tables = json::parse(bytes_of(out("t.json")))["tables"];
+  ASSERT_EQ(tables.size(), 2u);
+  const json &few = tables[0]["rows"][0]["cells"]["v"], &many = tables[0]["rows"][1]["cells"]["v"];
+  EXPECT_EQ(few["ratio"], 1.0);
+  // 16 times the samples; (1000 / 10 - 1000 / 50) / (1000 / 25 - 1000 / 50).
+  EXPECT_GT(many["ratio"].get<double>(), 3);
+  EXPECT_LT(many["ratio"].get<double>(), 30);
+  EXPECT_NEAR(many["published_ratio"].get<double>(), 4, 1e-9);
+  EXPECT_NEAR(tables[1]["stages"][0]["published_share"].get<double>(), 0.75, 1e-9);
+  EXPECT_NEAR(tables[1]["stages"][0]["share"].get<double>() + tables[1]["stages"][1]["share"].get<double>(), 1, 1e-9);
+  const std::string page = bytes_of(out("t.md"));
+  EXPECT_EQ(o.out, page);
+  EXPECT_NE(page.find("| over few | bitmask |"), std::string::npos);
+  EXPECT_NE(page.find("(4.00) |"), std::string::npos);
+  EXPECT_NE(page.find("- the rest"), std::string::npos);
+
+  const auto fails = [&](int code, const std::string& from, const std::string& to, const std::string& mention) {
+    std::string wrong = text;
+    wrong.replace(wrong.find(from), from.size(), to);
+    const Outcome bad = measure(set("bad", wrong));
+    EXPECT_EQ(bad.code, code) << bad.err;
+    EXPECT_NE(bad.err.find(mention), std::string::npos) << bad.err;
+  };
+  fails(3, "gi.steps", "gi.stepps", "gi.stepps");
+  fails(3, "\"over\": {\"row\": \"few\"}", "\"over\": {\"row\": \"fewer\"}", "fewer");
+  fails(3, "\"label\": \"4\"", "\"lable\": \"4\"", "lable");
+  fails(3, "denoise.level1", "denoise.smell", "smell");
+  EXPECT_EQ(measure(out("good"), {"--technique", "vbgi"}).code, 2);
+  EXPECT_EQ(bench({"--markdown", out("no.md")}).code, 2);
+}
+
+// What is shipped is whole: every cell's settings are read before anything is measured.
+TEST_F(BenchTest, ShippedTablesAreRead) {
+  const Outcome o = run({"bench", "/no/such.glb", "--preset-set", "papers"});
+  EXPECT_EQ(o.code, 3);
+  EXPECT_NE(o.err.find("/no/such.glb"), std::string::npos) << o.err;
+}
+
 }  // namespace
 }  // namespace nf

@@ -10,6 +10,7 @@
 #include "capture/baseline.h"
 #include "capture/csv.h"
 #include "capture/trace.h"
+#include "cli/bench_tables.h"
 #include "cli/measure.h"
 #include "cli/progress.h"
 #include "cli/scene_input.h"
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 struct BenchOptions : CommonOptions {
-  std::string scene, preset_set, path, json_file, csv, trace, html, pictures, baseline, fail_above = "5%";
+  std::string scene, preset_set, markdown, path, json_file, csv, trace, html, pictures, baseline, fail_above = "5%";
   std::vector<std::string> techniques;
   MeasureOptions measure;
 };
@@ -41,10 +42,16 @@ double parse_share(const std::string& text) {
   return value;
 }
 
-// Every preset of a folder, by name: NAME is one of content/presets, or a path.
+// NAME is one of content/presets, or a path.
+fs::path preset_folder(const std::string& name) {
+  const fs::path bundled = gpu::find_shader_folder().parent_path() / "content" / "presets" / name;
+  return fs::is_directory(bundled) ? bundled : fs::path(name);
+}
+
+// Every preset of a folder.
 std::vector<fs::path> find_presets(const std::string& name) {
   const fs::path bundled = gpu::find_shader_folder().parent_path() / "content" / "presets" / name;
-  const fs::path folder = fs::is_directory(bundled) ? bundled : fs::path(name);
+  const fs::path folder = preset_folder(name);
   std::vector<fs::path> presets;
   if (fs::is_directory(folder))
     for (const auto& entry : fs::directory_iterator(folder))
@@ -95,6 +102,8 @@ class BenchJob {
   int run() {
     fail_above_ = parse_share(o_.fail_above);
     check_outputs();
+    if (!o_.preset_set.empty() && fs::exists(preset_folder(o_.preset_set) / paper_tables_file)) return run_tables();
+    if (!o_.markdown.empty()) fail(Exit::Usage, "--markdown is for a preset set of tables, e.g. --preset-set papers");
     read_baseline();
     const std::vector<Subject> subjects = make_subjects(o_);
     // Of one technique or none, its preset may say size, view and seed as well.
@@ -149,6 +158,45 @@ class BenchJob {
   }
 
  private:
+  // A set that is tables says itself what is measured, at what size.
+  int run_tables() {
+    if (!o_.preset.empty() || !o_.techniques.empty() || !o_.sets.empty() || o_.size_given)
+      fail(Exit::Usage, "--preset-set {} has its own settings: leave --technique, --preset, --set and --size away",
+           o_.preset_set);
+    PaperTables tables(preset_folder(o_.preset_set) / paper_tables_file);
+    view_.seed = o_.seed;
+    o_.measure.timing = parse_timing(o_.timing);
+    o_.measure.fps = 0;
+    scene::Scene scene = open_scene(o_.scene, o_);
+    view_.camera = view_.previous_camera = choose_view(o_, scene);
+    gpu::Device device(device_options(o_));
+    passes::Renderer renderer(device, scene, executor_options(o_));
+    const capture::LoadWatch watch;
+    bool complete = false;
+    {
+      Progress progress("bench", 1, o_);
+      complete = tables.run(device, scene, renderer, view_, o_.measure,
+                            [&](const std::string& what) { progress.update(0, what); });
+    }
+    if (!complete) return int(Exit::Interrupted);
+    const std::string markdown =
+        tables.markdown(device.info.name, device.facts.software, fs::path(o_.scene).filename(), o_.measure);
+    json document = tables.document();
+    document["context"] = context_json(device, watch.load(), device.validation);
+    const auto write_text = [](const std::string& name, const std::string& text) {
+      image::write_file(name, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+    };
+    if (!o_.json_file.empty() && o_.json_file != "-") write_text(o_.json_file, document.dump(1) + "\n");
+    if (!o_.markdown.empty()) write_text(o_.markdown, markdown);
+    if (o_.json_file == "-")
+      fmt::print("{}\n", document.dump(1));
+    else if (!o_.quiet)
+      fmt::print("{}", markdown);
+    if (const size_t messages = device.take_messages().size())
+      fail(Exit::CheckFailed, "{} validation messages (above)", messages);
+    return int(Exit::Ok);
+  }
+
   // Found out now, not after minutes of work.
   void check_outputs() {
     for (const std::string& folder : {o_.csv, o_.pictures}) {
@@ -158,7 +206,7 @@ class BenchJob {
       if (!fs::is_directory(folder))
         fail(Exit::Output, "cannot write into '{}': it is no folder and cannot be made one", folder);
     }
-    for (const std::string& name : {o_.json_file, o_.trace, o_.html}) {
+    for (const std::string& name : {o_.json_file, o_.trace, o_.html, o_.markdown}) {
       const fs::path folder = fs::path(name).parent_path();
       if (!folder.empty() && !fs::is_directory(folder))
         fail(Exit::Output, "cannot write '{}': there is no folder '{}'; make it first", name, folder.string());
@@ -313,8 +361,11 @@ Command add_bench(CLI::App& parent) {
       ->type_name("ID")
       ->allow_extra_args(false)
       ->envname("NEARFIELD_TECHNIQUE");
-  app->add_option("--preset-set", state->preset_set, "All presets of content/presets/NAME, or of a folder")
+  app->add_option("--preset-set", state->preset_set,
+                  "All presets of content/presets/NAME, or of a folder; papers: the papers' tables as ratios")
       ->type_name("NAME");
+  app->add_option("--markdown", state->markdown, "With a preset set of tables: the page, next to what is published")
+      ->type_name("FILE");
   add_method_flags(*app, state->measure);
   app->add_option("--path", state->path, "Camera path, by frame number (README, \"View files\")")->type_name("FILE");
   app->add_option("--json", state->json_file, "nearfield.timing/1 document; - for stdout")->type_name("FILE");

@@ -24,6 +24,7 @@ struct FrameSample {
   double wall_ms = 0;                       // from submission to the moment the host knew that the frame was done
   double cpu_ms = 0;                        // building, planning and recording
   std::vector<PassSample> passes;
+  double process_ms = 0;  // CPU time of all of this process's threads, from building to the end
 };
 
 struct PassInfo {
