@@ -123,6 +123,53 @@ TEST_F(CliEvaluateTest, Bounces) {
   EXPECT_NE(none["absent"]["gi_n"].get<std::string>().find("--bounces"), std::string::npos);
 }
 
+// Figures of papers from a data file: each variant measured as a cell, its page, and a strip of pictures.
+TEST_F(CliEvaluateTest, Figures) {
+  const std::string text = R"({"schema": "nearfield.paper_figures/1", "not_made": ["the rest"], "figures": [
+    {"id": "one", "title": "Thickness", "source": "nobody", "scene": "fence.glb", "base": {"gi.radius": 1},
+     "picture": "visibility", "show": ["visibility.total.bias", "visibility.variance", "gi_1.total.rmse"],
+     "variants": [{"label": "thin", "technique": "vbao", "params": {"gi.thickness": 0.01}},
+                  {"label": "thick", "technique": "vbao", "params": {"gi.thickness": 50}}]}]})";
+  const auto measure = [&](const std::string& name, const std::string& figures, const Words& more = {}) {
+    std::filesystem::create_directories(folder / name);
+    std::ofstream(folder / name / "figures.json") << figures;
+    Words words = {"evaluate",   NF_BINARY_DIR "/content",
+                   "--presets",  out(name),
+                   "--size",     "48x27",
+                   "--spp",      "8",
+                   "--frames",   "4",
+                   "--timed",    "1",
+                   "-o",         out(name + "-result"),
+                   "--markdown", out(name + ".md")};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  };
+  const Outcome o = measure("good", text);
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json figures = json::parse(bytes_of(folder / "good-result/figures.json"))["figures"];
+  const auto bias = [&](size_t row) {
+    return figures[0]["rows"][row]["quantities"]["visibility"]["total"]["bias"].get<double>();
+  };
+  EXPECT_GT(bias(0), bias(1) + 0.02) << "what is thick hides more";
+  const std::string page = bytes_of(folder / "good.md");
+  EXPECT_NE(page.find(fmt::format("| thin | {:+.4f} |", bias(0))), std::string::npos) << page;
+  EXPECT_NE(page.find("| – |"), std::string::npos) << "vbao has no light";
+  EXPECT_NE(page.find("(pictures/figures/one.png)"), std::string::npos);
+  EXPECT_EQ(image::read_png(folder / "pictures/figures/one.png").width, 3 * 52u - 4) << "two variants and the truth";
+
+  const auto fails = [&](const std::string& from, const std::string& to, int code) {
+    std::string wrong = text;
+    wrong.replace(wrong.find(from), from.size(), to);
+    const Outcome bad = measure("bad", wrong);
+    EXPECT_EQ(bad.code, code) << bad.err;
+    EXPECT_NE(bad.err.find(to), std::string::npos) << bad.err;
+  };
+  fails("visibility.variance", "visibility.varience", 3);
+  fails("gi.thickness", "gi.thikness", 3);
+  fails("label", "lable", 3);
+  EXPECT_EQ(measure("set", text, {"--set", "gi.radius=2"}).code, 2);
+}
+
 // A kill in the middle loses no finished cell, and the table is the same as without.
 TEST_F(CliEvaluateTest, KilledAndResumed) {
   std::string presets = "default";

@@ -65,6 +65,7 @@ class EvaluateJob {
     if (!o_.technique.empty() || !o_.mode.empty() || !o_.preset.empty())
       fail(Exit::Usage, "evaluate takes lists: --techniques vbgi,gtao:paper and --presets FILE,FILE");
     parse_size(o_.size);
+    if (const fs::path file = figures_file(); !file.empty()) return run_figures(file);
     const std::vector<Place> places = parse_places(o_);
     if (o_.temporal) return run_temporal(places);
     // Errors of diffuse light are what is measured; --set material.lambert=false asks for the scene's own materials.
@@ -120,6 +121,42 @@ class EvaluateJob {
   }
 
  private:
+  // --presets NAME, where that is a folder with figures.json, of content/presets or any other.
+  fs::path figures_file() const {
+    for (const fs::path& folder :
+         {gpu::find_shader_folder().parent_path() / "content" / "presets" / o_.presets, fs::path(o_.presets)})
+      if (!o_.presets.empty() && fs::exists(folder / "figures.json")) return folder / "figures.json";
+    return {};
+  }
+
+  int run_figures(const fs::path& file) {
+    if (o_.scenes.size() != 1 || !fs::is_directory(o_.scenes[0]))
+      fail(Exit::Usage, "--presets {} has scenes of its own: give the folder they are in, e.g. build/release/content",
+           o_.presets);
+    if (!o_.sets.empty() || o_.techniques != "all")
+      fail(Exit::Usage, "--presets {} has its own settings: leave --techniques and --set away", o_.presets);
+    const fs::path page = o_.markdown.empty() ? folder_ / "figures.md" : fs::path(o_.markdown),
+                   pictures = page.parent_path() / "pictures" / "figures",
+                   references = o_.references.empty() ? folder_ / "references" : fs::path(o_.references);
+    for (const fs::path& folder : {folder_, references, pictures}) make_folder(folder);
+    Figures figures(file, o_.scenes[0]);
+    gpu::Device device(device_options(o_));
+    bool complete = false;
+    {
+      Progress progress("evaluate", figures.cells(), o_);
+      TruthStore store(references, o_, device, [](const std::string&) {});
+      complete = figures.run(device, o_, store, pictures,
+                             [&](size_t done, const std::string& what) { progress.update(done, what); });
+    }
+    if (!complete) return int(Exit::Interrupted);
+    write_text(folder_ / "figures.json", figures.document().dump(1) + "\n");
+    write_text(page, figures.markdown(o_, "pictures/figures"));
+    for (const fs::path& name : {folder_ / "figures.json", page}) fmt::print("{}\n", name.string());
+    if (const size_t messages = device.take_messages().size())
+      fail(Exit::CheckFailed, "{} validation messages (above)", messages);
+    return int(Exit::Ok);
+  }
+
   int run_temporal(const std::vector<Place>& places) {
     const std::vector<Contender> contenders = parse_contenders(o_);
     const TemporalLengths lengths = temporal_lengths(o_);
@@ -185,8 +222,10 @@ Command add_evaluate(CLI::App& parent) {
                   "all, or ids such as vbgi,gtao:paper; all takes every technique in every form it has")
       ->type_name("LIST")
       ->capture_default_str();
-  app->add_option("--presets", state->presets,
-                  "Preset files, and `default`; one that names a technique is taken with that only")
+  app->add_option(
+         "--presets", state->presets,
+         "Preset files, and `default`; one that names a technique is taken with that only. figures: the papers' "
+         "figures as numbers, of the scenes in the folder SCENE")
       ->type_name("LIST");
   app->add_option("-o,--output", state->folder, "Folder for tables, pictures and references")
       ->type_name("DIR")

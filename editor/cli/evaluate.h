@@ -1,7 +1,7 @@
 // What `nearfield evaluate` measures: cells of a table, techniques x scenes with views, and what is in a cell. Its
 // parts: evaluate.cpp (the command), evaluate_plan.cpp (what is to be done), evaluate_truth.cpp (references, kept on
-// disk), evaluate_cell.cpp (one measurement), evaluate_report.cpp (JSON, Markdown, HTML); evaluate_temporal.h (what
-// happens over time).
+// disk), evaluate_cell.cpp (one measurement), evaluate_figures.cpp (the papers' figures), evaluate_report.cpp (JSON,
+// Markdown, HTML); evaluate_temporal.h (what happens over time).
 #pragma once
 
 #include <filesystem>
@@ -96,6 +96,8 @@ class Stage {
   uint64_t key(const Contender& contender) const;
   // The row of the table; null when interrupted. Pictures go to `folder`.
   nlohmann::json measure(const Contender& contender, TruthStore& store, const std::filesystem::path& folder);
+  // Called by it with what is compared: the technique's mean and the path tracer's.
+  std::function<void(const Quantity&, const image::Image& test, const image::Image& truth)> on_means;
 
  private:
   // Errors of one quantity; null where there is no such light. `same` and `one`, a single frame, may be missing.
@@ -128,6 +130,27 @@ class Stage {
   reference::Buffers buffers_;
   std::string looked_with_;              // parameters, JSON
   std::set<std::string> common_passes_;  // of a frame without a technique
+};
+
+// --- the papers' figures
+// A data file of scenes, variants and what is shown of each; `scenes` is the folder of the bundled ones.
+class Figures {
+ public:
+  // Throws nf::Error (Exit::Input).
+  Figures(const std::filesystem::path& file, const std::filesystem::path& scenes);
+  size_t cells() const;
+  // Strips of pictures go to `pictures`. False when interrupted.
+  bool run(gpu::Device& device, const EvaluateOptions& options, TruthStore& store,
+           const std::filesystem::path& pictures, const std::function<void(size_t, const std::string&)>& notice);
+  nlohmann::json document() const;
+  // `pictures`: their folder, as the page names it.
+  std::string markdown(const EvaluateOptions& options, const std::string& pictures) const;
+
+ private:
+  nlohmann::json spec_, results_ = nlohmann::json::array();
+  std::vector<Place> places_;
+  std::vector<std::vector<Contender>> contenders_;
+  uint32_t frames_ = 0;
 };
 
 // --- tables
