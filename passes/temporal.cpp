@@ -25,12 +25,44 @@ void feed_result(graph::PassBuilder& builder, const GiResult& gi) {
   if (gi.bent) builder.in("bent", gi.bent);
 }
 
+namespace {
+
+// Texels of 4x4 pixels: how much of what a point sees there has changed since the last frame.
+graph::Tex add_changes(graph::Graph& graph, gpu::Pipelines& pipelines, const GBuffer& g,
+                       const PreviousSurface& previous, const ReprojectBlock& reproject) {
+  const graph::Size size{(g.size.width + 3) / 4, (g.size.height + 3) / 4};
+  const graph::Tex changes = graph.image("temporal.changes", {size, VK_FORMAT_R16G16_SFLOAT});
+  const graph::Tex nearby = graph.image("temporal.nearby", {size, VK_FORMAT_R16_SFLOAT});
+  graph
+      .fullscreen("temporal.changes", pipelines.fullscreen("temporal_changes.frag"), "What has moved, appeared or gone")
+      .in("depth", g.depth)
+      .in("normal", g.normal)
+      .in("velocity", g.velocity)
+      .in("previous_depth", previous.depth.prev)
+      .in("previous_normal", previous.normal.prev)
+      .out("changes", changes)
+      .params(reproject);
+  graph.fullscreen("temporal.nearby", pipelines.fullscreen("temporal_nearby.frag"), "How much of that a point sees")
+      .in("depth", g.depth)
+      .in("changes", changes)
+      .out("nearby", nearby);
+  return nearby;
+}
+
+}  // namespace
+
 Temporal add_temporal(graph::Graph& graph, gpu::Pipelines& pipelines, const GBuffer& g, const PreviousSurface& previous,
                       const ReprojectBlock& reproject, const GiResult& gi, const TemporalParams& params) {
   const graph::ImageDesc desc{g.size, VK_FORMAT_R16G16B16A16_SFLOAT};
   const graph::History moments = graph.history("temporal.moments", desc);
   Temporal out{.gi = {}, .moments = moments.next};
-  auto builder = graph.fullscreen("temporal", pipelines.fullscreen("temporal.frag", result_defines(gi)),
+  gpu::Defines defines = result_defines(gi);
+  graph::Tex nearby;
+  if (params.motion > 0) {
+    nearby = add_changes(graph, pipelines, g, previous, reproject);
+    defines.emplace_back("FOLLOW_CHANGES", "1");
+  }
+  auto builder = graph.fullscreen("temporal", pipelines.fullscreen("temporal.frag", defines),
                                   "Mean of the GI over frames, and its variance");
   builder.in("depth", g.depth)
       .in("normal", g.normal)
@@ -42,6 +74,7 @@ Temporal add_temporal(graph::Graph& graph, gpu::Pipelines& pipelines, const GBuf
       .params(reproject)
       .params(params)
       .params(TemporalBlock{});
+  if (nearby) builder.in("nearby", nearby);
   feed_result(builder, gi);
   const auto keep = [&](graph::Tex has, const char* name, const char* prev_slot, const char* slot) -> graph::Tex {
     if (!has) return {};

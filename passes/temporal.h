@@ -15,6 +15,8 @@ namespace nf::passes {
   P(Float, normal, 0.8f, -1.0f, 1.0f, "", "Same surface: least cosine between the normals")                           \
   P(Float, antilag, 4.0f, 0.0f, 100.0f, "",                                                                           \
     "Start anew where the mean of the last 4 frames is this many standard deviations off; 0 = never")                 \
+  P(Float, motion, 4.0f, 0.0f, 100.0f, "",                                                                            \
+    "Shorter means around what moves, appears or goes: 1 / this times the share of what is seen there that has; 0 = no") \
   P(Float, firefly_clamp, 0.0f, 0.0f, 1000.0f, "",                                                                   \
     "A sample may be this many times brighter than its past and its neighbours; takes light away; 0 = no limit")
 // clang-format on

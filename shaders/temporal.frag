@@ -20,6 +20,10 @@ FETCH_UINT_IMAGE(previous_normal);
 
 uniform texture2D velocity;
 uniform texture2D previous_moments;
+#ifdef FOLLOW_CHANGES
+uniform texture2D nearby;
+uniform sampler linear_clamp;
+#endif
 layout(location = 0) out vec4 moments;  // visibility, variance of one frame's brightness, short mean - long mean, frames
 #ifdef HAS_GI
 uniform texture2D previous_light;
@@ -126,7 +130,13 @@ void main() {
   GiSample s = clean_sample(pixel, frame.size, z, past.frames > 0.0 ? brightness(past.mean) : 0.0, temporal.firefly_clamp, removed);
 
   float restart = changed(pixel, moved, past);  // not inside the condition: lavapipe 22.3 crashes over the loop there
-  if (temporal.antilag > 0.0 && past.frames > 3.0) past.frames = mix(past.frames, 2.0, restart);
+  if (temporal.antilag > 0.0 && past.frames > 3.0) past.frames = 1.0 / mix(1.0 / past.frames, 0.5, restart);
+#ifdef FOLLOW_CHANGES
+  // Texels of 4x4 pixels: those of the last column and row may reach over the picture's border.
+  vec2 place = (vec2(pixel) + 0.5) / (4.0 * vec2(textureSize(nearby, 0)));
+  float around = textureLod(sampler2D(nearby, linear_clamp), place, 0.0).x;
+  past.frames = min(past.frames, max(1.0 / max(temporal.motion * around, 1e-6), 1.0));
+#endif
   float frames = min(past.frames + 1.0, float(temporal.frames));
   float alpha = 1.0 / frames;
   float fresh = brightness(s);

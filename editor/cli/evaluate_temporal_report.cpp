@@ -39,7 +39,8 @@ const json* error_after(const json& row, int frames) {
 }
 std::string half_life(const json& row) {
   if (const json* value = at(row, {"jump", "half_life"})) return fmt::format("{:.1f}", value->get<double>());
-  return at(row, {"jump", "share_left"}) ? "never" : "–";
+  const json* shown = at(row, {"jump", "shown_of_change"});
+  return shown && shown->get<double>() > 0.25 ? "never" : "–";
 }
 
 constexpr const char* legend =
@@ -51,7 +52,8 @@ constexpr const char* legend =
     "reconstructed frames, from no history on, of their mean once settled; in brackets what is left at the end. The "
     "rest "
     "is reconstructed, by the default stages. ghost: frames until half of the change is there, on surfaces that stay, "
-    "after an occluder is gone; below 1: with the first frame. uncovered: RMSE where the occluder was, against the raw "
+    "after an occluder is gone; below 1: with the first frame; –: less than a quarter of the change is ever shown. "
+    "uncovered: RMSE where the occluder was, against the raw "
     "mean without it, after 1, 4 and 16 frames, in % of the mean there. flicker: deviation from frame to frame while "
     "the camera turns by a tenth of a pixel a frame, in % of the mean, of the signal and of the picture as shown. Only "
     "flicker has antialiasing, whose jitter moves the signal about. –: there is nothing to measure.";
