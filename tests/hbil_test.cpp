@@ -256,8 +256,9 @@ TEST(Hbil, IsVbgiWithInfiniteThickness) {
       defaults(4, 4, 16);
       const twin::Lit one = twin::estimate_hbil({x, y});
       twin::gi.thickness_mode = twin::THICKNESS_INFINITE;
-      twin::bitmask.sectors = 5;  // 128
-      twin::bitmask.span = 1;     // texels, as hbil's
+      twin::bitmask.sectors = 5;                        // 128
+      twin::bitmask.span = 1;                           // texels, as hbil's
+      twin::bitmask.emitter = twin::EMITTER_ONE_SIDED;  // by the texel, as hbil does
       const twin::Gathered other = twin::estimate_bitmask({x, y});
       visibility += std::abs(one.visibility - other.visibility);
       light += std::abs(one.gi.x - other.gi.x);
