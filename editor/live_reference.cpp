@@ -2,24 +2,17 @@
 #include "live_reference.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
-#include <sys/resource.h>
 #include <utility>
 
+#include "background.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "image/error_split.h"
 
 namespace nf::editor {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::vector<LiveReference::Layer> layers_of(const reference::Tracer& tracer) {
   std::vector<LiveReference::Layer> out;
@@ -125,7 +118,6 @@ std::string LiveReference::error() const {
 }
 
 void LiveReference::live() {
-  // Linux has a priority for each thread, and the threads that a tracer starts have that of the one that starts them.
   Work work;
   const int base = getpriority(PRIO_PROCESS, 0);
   for (;;) {
@@ -144,8 +136,7 @@ void LiveReference::live() {
       }
       cancel_ = false;
     }
-    // Where the process may not become quicker again it stays slow: nothing to be done.
-    setpriority(PRIO_PROCESS, 0, std::min(base + std::clamp(job->settings.nice, 0, 19), 19));
+    give_way(base, job->settings.nice);
     work.start = Clock::now();
     work.run = job->run;
     work.settings = std::move(job->settings);
@@ -178,13 +169,13 @@ void LiveReference::trace(Work& work) {
     const Clock::time_point before = Clock::now();
     // What it held is lost with a cancelled step; the next view starts anew anyway.
     if (!tracer.sample(std::min(step, most - tracer.samples()))) return;
-    const double took = since(before);
+    const double took = seconds_since(before);
     if (took < work.settings.publish_seconds / 2) step = std::min(step * 2, 256u);
     if (took > work.settings.publish_seconds * 2) step = std::max(step / 4 * 2, 2u);
     Picture picture{.run = work.run,
                     .spp = tracer.samples(),
                     .rays = tracer.rays(),
-                    .seconds = since(work.start),
+                    .seconds = seconds_since(work.start),
                     .complete = tracer.samples() >= most,
                     .layers = layers_of(tracer)};
     const std::lock_guard hold(mutex_);

@@ -2,28 +2,15 @@
 #include "live_split.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
-#include <sys/resource.h>
 #include <utility>
 
+#include "background.h"
 #include "core/error.h"
 
 namespace nf::editor {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-const image::Image* find(const std::vector<image::Layer>& layers, std::string_view name) {
-  for (const image::Layer& layer : layers)
-    if (layer.name == name) return &layer.image;
-  return nullptr;
-}
 
 // Sums of frames in two halves, whose noise is independent.
 struct Mean {
@@ -158,7 +145,7 @@ void LiveSplit::refine(Work& work) {
     if (estimator.samples() >= most) return;
     const Clock::time_point before = Clock::now();
     estimator.sample(std::min(step, most - estimator.samples()));
-    const double took = since(before);
+    const double took = seconds_since(before);
     if (took < 0.1) step = std::min(step * 2, 1024u);
     if (took > 0.4) step = std::max(step / 4 * 2, 2u);
   };
@@ -170,27 +157,28 @@ void LiveSplit::refine(Work& work) {
 bool LiveSplit::publish(Work& work) {
   const std::vector<image::Layer> ta = work.tracer->half(0), tb = work.tracer->half(1), ma = work.marcher->half(0),
                                   mb = work.marcher->half(1);
-  const image::Image *truth = find(ta, work.truth), *same = find(ma, work.same), *seen = find(work.buffers, "depth"),
-                     *traced = find(ta, "depth");
-  if (!truth || !same || !seen || !traced) fail(Exit::Internal, "the error split has no layer '{}'", work.truth);
-  const size_t count = size_t(truth->width) * truth->height;
+  using image::find_layer;
+  const image::Layer *of_truth = find_layer(ta, work.truth), *of_same = find_layer(ma, work.same),
+                     *of_frame = find_layer(work.buffers, "depth"), *of_tracer = find_layer(ta, "depth");
+  if (!of_truth || !of_same || !of_frame || !of_tracer)
+    fail(Exit::Internal, "the error split has no layer '{}'", work.truth);
+  const image::Image &truth = of_truth->image, &seen = of_frame->image, &traced = of_tracer->image;
+  const size_t count = size_t(truth.width) * truth.height;
   const image::Halves test = work.mean.halves();
-  if (test.a.pixels.size() != truth->pixels.size() || seen->pixels.size() != count) return false;  // of another size
-  const image::Halves path{*truth, *find(tb, work.truth)}, march{*same, *find(mb, work.same)};
-  std::vector<uint8_t> mask(count);
-  for (size_t i = 0; i < count; ++i) {
-    const float d = traced->pixels[i];
-    mask[i] = seen->pixels[i] > 0 && d > 0 && std::abs(seen->pixels[i] - d) <= 0.02f * d;
-  }
+  if (test.a.pixels.size() != truth.pixels.size() || seen.pixels.size() != count) return false;  // of another size
+  const image::Halves path{truth, find_layer(tb, work.truth)->image},
+      march{of_same->image, find_layer(mb, work.same)->image};
+  uint64_t left_out = 0;
+  const std::vector<uint8_t> mask = image::common_surfaces(seen.pixels, traced.pixels, left_out);
   Result out{.run = work.run,
              .frames = work.mean.count,
              .spp = work.tracer->samples(),
              .march_spp = work.marcher->samples(),
-             .seconds = since(work.start),
+             .seconds = seconds_since(work.start),
              .complete = work.complete(),
              .split = image::split_error(test, march, path, mask),
              .pixels = uint64_t(std::count(mask.begin(), mask.end(), 1)),
-             .size = {truth->width, truth->height}};
+             .size = {truth.width, truth.height}};
   const image::Image t = image::mean_of(test), m = image::mean_of(march), p = image::mean_of(path);
   out.level = image::bias({p, p, mask}).reference;
   const image::Image errors[] = {image::absolute_error({t, p, {}}), image::absolute_error({t, m, {}}),
@@ -237,7 +225,7 @@ void LiveSplit::live() {
     }
     try {
       if (job) {
-        setpriority(PRIO_PROCESS, 0, std::min(base + std::clamp(job->nice, 0, 19), 19));
+        give_way(base, job->nice);
         set_up(work, std::move(*job));
       }
       for (const auto& [key, frame] : frames) {
@@ -253,7 +241,7 @@ void LiveSplit::live() {
         if (work.complete()) work.news = false;
         continue;
       }
-      if (work.news && (work.complete() || since(work.published) >= work.publish_seconds)) {
+      if (work.news && (work.complete() || seconds_since(work.published) >= work.publish_seconds)) {
         publish(work);
         work.published = Clock::now();
         work.news = false;

@@ -80,7 +80,7 @@ void write_preset(const std::filesystem::path& path, const Preset& preset) {
   }
   if (!preset.params.empty()) document["params"] = preset.params;
   const std::string text = document.dump(1) + "\n";
-  image::write_file(path, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+  image::write_file(path, text);
 }
 
 }  // namespace nf::editor

@@ -40,9 +40,7 @@ std::string settings_text(const reference::Settings& s) {
 uint8_t tone_map(float x, const passes::TonemapParams& tonemap) {
   x *= std::exp2(tonemap.exposure_ev);
   if (tonemap.curve == 0) x = x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f);
-  x = std::clamp(x, 0.0f, 1.0f);
-  x = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-  return uint8_t(std::lround(x * 255));
+  return uint8_t(std::lround(image::srgb_from_linear(std::clamp(x, 0.0f, 1.0f)) * 255));
 }
 
 }  // namespace

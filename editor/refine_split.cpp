@@ -63,18 +63,13 @@ void Refiner::update_split(Editor& editor) {
 // A frame of the view as it is: the estimators' input, if they have another, and one more of the technique's.
 void Refiner::take_layers(Editor& editor, live::Published& frame) {
   ReferenceView& r = editor.reference;
-  const auto find = [&](std::string_view name) {
-    return std::find_if(frame.layers.begin(), frame.layers.end(),
-                        [&](const image::Layer& layer) { return layer.name == name; });
-  };
+  const auto find = [&](std::string_view name) { return image::find_layer(frame.layers, name); };
   const live::Wanted& wanted = editor.wanted;
   const SplitQuantity& q = split_quantities()[size_t(r.quantity)];
   const auto test = find(q.test), depth = find("depth"), normal = find("normal"), radiance = find("radiance");
   const bool current = frame.revision == wanted.revision && !frame.moving && wanted.bare && r.split_on();
-  if (current && test == frame.layers.end())
-    r.split_note = fmt::format("{} gives no {}", editor.document.settings.technique->id, q.name);
-  if (current && test != frame.layers.end() && radiance != frame.layers.end() && test->image.width == wanted.size.x &&
-      test->image.height == wanted.size.y) {
+  if (current && !test) r.split_note = fmt::format("{} gives no {}", editor.document.settings.technique->id, q.name);
+  if (current && test && radiance && test->image.width == wanted.size.x && test->image.height == wanted.size.y) {
     const reference::MarchSettings march = march_settings(editor.document.settings, editor.view.camera);
     const reference::Settings tracer = split_tracer(editor, march);
     const std::string scene = scene_key(wanted);

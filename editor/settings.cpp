@@ -221,9 +221,7 @@ void save_pixels(const std::string& path, const live::Pixels& pixels, const ui::
       const uint32_t channel = show >= 1 && show <= 4 ? show - 1 : show == 5 ? 0 : c;
       const float x = (pixels.floats[i * 4 + channel] - look.low) / std::max(look.high - look.low, 1e-20f);
       const float clamped = std::isfinite(x) ? std::clamp(x, 0.0f, 1.0f) : 1;
-      const float curve =
-          look.srgb ? (clamped <= 0.0031308f ? 12.92f * clamped : 1.055f * std::pow(clamped, 1 / 2.4f) - 0.055f)
-                    : clamped;
+      const float curve = look.srgb ? image::srgb_from_linear(clamped) : clamped;
       out.pixels.push_back(uint8_t(std::lround(curve * 255)));
     }
   image::write_png(path, out);

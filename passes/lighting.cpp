@@ -23,7 +23,7 @@ LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
   for (int sun = 0; sun < 2; ++sun)
     for (int tiles = 0; tiles < 2; ++tiles)
       for (int grid = 0; grid < 2; ++grid)
-        pass.direct[sun][tiles][grid] = pipelines.fullscreen("direct.frag", light_defines(sun, tiles, grid));
+        pass.direct[false][sun][tiles][grid] = pipelines.fullscreen("direct.frag", light_defines(sun, tiles, grid));
   for (int gi = 0; gi < 2; ++gi)
     for (int open = 0; open < ambient_variants; ++open) {
       gpu::Defines defines = ambient_defines(open, environment_map);
@@ -34,11 +34,12 @@ LightingPass create_lighting(gpu::Pipelines& pipelines, bool environment_map) {
   return pass;
 }
 
-gpu::Defines light_defines(bool sun_map, bool tile_maps, bool grid) {
+gpu::Defines light_defines(bool sun_map, bool tile_maps, bool grid, bool screen) {
   gpu::Defines defines;
   if (sun_map) defines.emplace_back("SUN_SHADOW", "1");
   if (tile_maps) defines.emplace_back("TILE_SHADOWS", "1");
   if (grid) defines.emplace_back("LIGHT_GRID", "1");
+  if (screen) defines.emplace_back("SCREEN_SHADOWS", "1");
   return defines;
 }
 
@@ -61,12 +62,9 @@ Radiance add_direct(graph::Graph& graph, LightingPass& pass, const GBuffer& g, c
                      graph.image("direct.radiance", {g.size, VK_FORMAT_R32_UINT})};
   const bool sun = lights.maps.sun.valid(), tiles = lights.maps.tiles.valid(), grid = lights.lights.has_grid,
              screen = lights.shadow_params.enabled && lights.shadow_params.screen_samples > 0;
-  gpu::Pipeline& pipeline = (screen ? pass.direct_screen : pass.direct)[sun][tiles][grid];
-  if (!pipeline.interface) {
-    gpu::Defines defines = light_defines(sun, tiles, grid);
-    defines.emplace_back("SCREEN_SHADOWS", "1");
-    pipeline = pass.pipelines->fullscreen("direct.frag", defines);
-  }
+  gpu::Pipeline& pipeline = pass.direct[screen][sun][tiles][grid];
+  if (!pipeline.interface)
+    pipeline = pass.pipelines->fullscreen("direct.frag", light_defines(sun, tiles, grid, screen));
   auto builder = graph.fullscreen("direct.light", pipeline,
                                   "Sun, point and spot lights: diffuse and specular, and the GI's source");
   builder.in("depth", g.depth)

@@ -26,8 +26,8 @@ gpu::Defines ambient_defines(int variant, bool environment_map);
 int ambient_variant(const GiResult& gi);
 
 struct LightingPass {
-  gpu::Pipeline direct[2][2][2];         // [sun is shadowed][tiles][grid]
-  gpu::Pipeline direct_screen[2][2][2];  // with shadows from the depth buffer; made when first used
+  gpu::Pipeline direct[2][2][2]
+                      [2];  // [shadows from the depth buffer: made when first used][sun is shadowed][tiles][grid]
   gpu::Pipelines* pipelines = nullptr;
   gpu::Pipeline composite[2][ambient_variants];  // [has gi]
   gpu::Pipeline tonemap;
@@ -44,7 +44,7 @@ struct DirectLights {
   const LightParams& light_params;
 };
 // The defines of their variant, and its inputs.
-gpu::Defines light_defines(bool sun_map, bool tile_maps, bool grid);
+gpu::Defines light_defines(bool sun_map, bool tile_maps, bool grid, bool screen = false);
 void feed_lights(graph::Graph& graph, graph::PassBuilder& pass, const DirectLights& lights);
 
 Radiance add_direct(graph::Graph& graph, LightingPass& pass, const GBuffer& gbuffer, const DirectLights& lights);

@@ -16,7 +16,8 @@ namespace nf::passes {
   F(Mat4, view_from_world) F(Mat4, world_from_view) F(Mat4, jittered_clip_from_world) F(Mat4, clip_from_world) \
   F(Mat4, previous_clip_from_world) F(Vec2, ray_scale) F(Vec2, ray_offset)          \
   F(Vec2, pixels_per_tangent) F(IVec2, size) F(Uint, frame_index) F(Uint, seed) F(Float, near)                 \
-  F(Uint, lambert) F(Float, texture_lod_bias) F(Float, albedo_scale) F(Float, emissive_scale) F(Vec3, camera_position) F(Vec3, environment)
+  F(Uint, lambert) F(Float, texture_lod_bias) F(Float, albedo_scale) F(Float, emissive_scale)                  \
+  F(Vec3, camera_position) F(Vec3, environment)
 // clang-format on
 NF_DECLARE_BLOCK(FrameBlock, "frame", NF_FRAME_FIELDS)
 

@@ -12,9 +12,7 @@ using glm::vec3;
 class Edit : public GpuTest {
  protected:
   static std::vector<std::byte> picture(passes::Renderer& renderer, const passes::FrameSettings& settings = {}) {
-    passes::FrameView view;
-    view.camera = view.previous_camera = inside_small_room();
-    view.size = {64, 36};
+    passes::FrameView view = view_of_small_room({64, 36});
     view.averaged = false;
     graph::Graph graph(renderer.executor().histories());
     const passes::FrameOutputs out = renderer.build(graph, view, settings);

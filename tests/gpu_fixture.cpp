@@ -170,6 +170,14 @@ scene::Camera inside_small_room() {
   return look({-0.7f, 1.2f, 0.8f}, {0.2f, 0.7f, -0.3f}, 70);
 }
 
+passes::FrameView view_of_small_room(glm::uvec2 size, uint32_t frame) {
+  passes::FrameView view;
+  view.camera = view.previous_camera = inside_small_room();
+  view.size = size;
+  view.frame_index = frame;
+  return view;
+}
+
 scene::Camera look(glm::vec3 eye, glm::vec3 target, float vfov_deg, glm::vec3 up) {
   return {.name = "test",
           .position = eye,

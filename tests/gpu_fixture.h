@@ -84,6 +84,8 @@ class GpuGraphTest : public GpuTest {
 // A closed room with a box, a lamp, a point light and a sun through its walls; and a camera in it.
 content::Builder small_room();
 scene::Camera inside_small_room();
+// Frame number `frame` of that camera at rest.
+passes::FrameView view_of_small_room(glm::uvec2 size, uint32_t frame = 0);
 
 scene::Camera look(glm::vec3 eye, glm::vec3 target, float vfov_deg, glm::vec3 up = {0, 1, 0});
 

@@ -42,9 +42,7 @@ class Inspect : public GpuTest {
     return out;
   }
   static passes::FrameView inside(uvec2 size) {
-    passes::FrameView view;
-    view.camera = view.previous_camera = inside_small_room();
-    view.size = size;
+    passes::FrameView view = view_of_small_room(size);
     view.averaged = false;
     return view;
   }

@@ -14,9 +14,7 @@ class NanScan : public EditedShadersTest {
     passes::FrameSettings settings;
     settings.technique = &passes::find_technique(technique);
     settings.debug.nan_scan = asked;
-    passes::FrameView view;
-    view.camera = view.previous_camera = inside_small_room();
-    view.size = {61, 37};  // no multiple of a workgroup
+    passes::FrameView view = view_of_small_room({61, 37});  // no multiple of a workgroup
     graph::Graph graph(renderer.executor().histories());
     const passes::FrameOutputs out = renderer.build(graph, view, settings);
     graph.readback("picture", renderer.add_picture(graph, out, settings));

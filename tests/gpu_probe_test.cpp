@@ -85,9 +85,7 @@ TEST_F(ProbeFrame, EverythingCanBeLookedAt) {
   settings.reconstruct = true;
   settings.shadow.resolution = 64;
   settings.shadow.tile_resolution = 32;
-  passes::FrameView view;
-  view.camera = view.previous_camera = inside_small_room();
-  view.size = {32, 18};
+  passes::FrameView view = view_of_small_room({32, 18});
   passes::Renderer renderer(device(), scene);
   const auto build = [&](graph::Graph& graph) {
     const passes::FrameOutputs out = renderer.build(graph, view, settings);

@@ -110,10 +110,7 @@ TEST_F(Damaged, ANanNeverSpreads) {
     renderer.executor().invalidate_histories();
     std::vector<float> light;
     for (uint32_t frame = 0; frame < 3; ++frame) {
-      passes::FrameView view;
-      view.camera = view.previous_camera = inside_small_room();
-      view.size = size;
-      view.frame_index = frame;
+      passes::FrameView view = view_of_small_room(size, frame);
       graph::Graph graph(renderer.executor().histories());
       const passes::FrameOutputs out = renderer.build(graph, view, settings);
       passes::GiResult gi = out.gi_raw;
@@ -192,10 +189,7 @@ TEST_F(Reconstruction, AStillPictureHasOneNoise) {
   const scene::Scene scene = load(small_room());
   passes::Renderer renderer(device(), scene);
   const auto frame = [&](uint32_t index, bool averaged, const passes::FrameSettings& settings) {
-    passes::FrameView view;
-    view.camera = view.previous_camera = inside_small_room();
-    view.size = {48, 27};
-    view.frame_index = index;
+    passes::FrameView view = view_of_small_room({48, 27}, index);
     view.averaged = averaged;
     graph::Graph graph(renderer.executor().histories());
     const passes::FrameOutputs out = renderer.build(graph, view, settings);
@@ -357,11 +351,8 @@ TEST_F(Reconstruction, FeedbackIsTheLastFramesLight) {
     double gain = 0, mean = 0;
     const float limited = 0.9f;  // of the reflectance 0.95
     for (uint32_t frame = 0; frame < 24; ++frame) {
-      passes::FrameView view;
-      view.camera = view.previous_camera = inside_small_room();
-      view.size = size;
+      passes::FrameView view = view_of_small_room(size, frame);
       view.averaged = false;  // one noise: the transport is a fixed linear map
-      view.frame_index = frame;
       graph::Graph graph(renderer.executor().histories());
       const passes::FrameOutputs out = renderer.build(graph, view, settings);
       graph.readback("gi", out.gi_raw.gi);

@@ -35,10 +35,7 @@ TEST_F(Resolutions, SmallestSizes) {
       settings.resolution.overscan = mode % 2 ? 10 : 0;
       settings.feedback.reprojection = mode % 3;
       for (uint32_t frame = 0; frame < 2; ++frame) {
-        passes::FrameView view;
-        view.camera = view.previous_camera = inside_small_room();
-        view.size = size;
-        view.frame_index = frame;
+        passes::FrameView view = view_of_small_room(size, frame);
         graph::Graph graph(renderer.executor().histories());
         const passes::FrameOutputs out = renderer.build(graph, view, settings);
         for (const char* layer : {"", "gi", "visibility"})

@@ -12,6 +12,7 @@
 #include "capture/trace.h"
 #include "cli/bench_tables.h"
 #include "cli/measure.h"
+#include "cli/paper_spec.h"
 #include "cli/progress.h"
 #include "cli/scene_input.h"
 #include "core/log.h"
@@ -40,12 +41,6 @@ double parse_share(const std::string& text) {
   if (end == text.c_str() || *end || !(value >= 0) || !std::isfinite(value))
     fail(Exit::Usage, "bad --fail-above '{}': write a share, e.g. 5% or 0.05", text);
   return value;
-}
-
-// NAME is one of content/presets, or a path.
-fs::path preset_folder(const std::string& name) {
-  const fs::path bundled = gpu::find_shader_folder().parent_path() / "content" / "presets" / name;
-  return fs::is_directory(bundled) ? bundled : fs::path(name);
 }
 
 // Every preset of a folder.
@@ -183,11 +178,8 @@ class BenchJob {
         tables.markdown(device.info.name, device.facts.software, fs::path(o_.scene).filename(), o_.measure);
     json document = tables.document();
     document["context"] = context_json(device, watch.load(), device.validation);
-    const auto write_text = [](const std::string& name, const std::string& text) {
-      image::write_file(name, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
-    };
-    if (!o_.json_file.empty() && o_.json_file != "-") write_text(o_.json_file, document.dump(1) + "\n");
-    if (!o_.markdown.empty()) write_text(o_.markdown, markdown);
+    if (!o_.json_file.empty() && o_.json_file != "-") image::write_file(o_.json_file, document.dump(1) + "\n");
+    if (!o_.markdown.empty()) image::write_file(o_.markdown, markdown);
     if (o_.json_file == "-")
       fmt::print("{}\n", document.dump(1));
     else if (!o_.quiet)
@@ -250,7 +242,7 @@ class BenchJob {
 
   void write(const json& document, const std::vector<capture::RunResult>& results, const gpu::Device& device) {
     const auto write_text = [&](const std::string& name, const std::string& text) {
-      image::write_file(name, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+      image::write_file(name, text);
       written_.push_back(name);
     };
     if (!o_.csv.empty()) {

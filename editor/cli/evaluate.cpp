@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "cli/evaluate_temporal.h"
+#include "cli/paper_spec.h"
 #include "cli/progress.h"
 #include "core/log.h"
 #include "image/file.h"
@@ -23,10 +24,6 @@ void make_folder(const fs::path& folder) {
   if (error) fail(Exit::Output, "cannot make the folder '{}': {}", folder.string(), error.message());
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-  image::write_file(path, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
-}
-
 // Finished cells, one JSON line each, written as they finish: a killed run loses none.
 class CellFile {
  public:
@@ -40,7 +37,7 @@ class CellFile {
     // What was read is written back whole: a half line must not spoil the next one.
     std::string text;
     for (const auto& [key, row] : known_) text += json({{"key", key}, {"row", row}}).dump() + "\n";
-    write_text(path_, text);
+    image::write_file(path_, text);
   }
   const json* find(const std::string& key) const {
     const auto found = known_.find(key);
@@ -123,10 +120,8 @@ class EvaluateJob {
  private:
   // --presets NAME, where that is a folder with figures.json, of content/presets or any other.
   fs::path figures_file() const {
-    for (const fs::path& folder :
-         {gpu::find_shader_folder().parent_path() / "content" / "presets" / o_.presets, fs::path(o_.presets)})
-      if (!o_.presets.empty() && fs::exists(folder / "figures.json")) return folder / "figures.json";
-    return {};
+    const fs::path file = preset_folder(o_.presets, "figures.json") / "figures.json";
+    return !o_.presets.empty() && fs::exists(file) ? file : fs::path();
   }
 
   int run_figures(const fs::path& file) {
@@ -149,8 +144,8 @@ class EvaluateJob {
                              [&](size_t done, const std::string& what) { progress.update(done, what); });
     }
     if (!complete) return int(Exit::Interrupted);
-    write_text(folder_ / "figures.json", figures.document().dump(1) + "\n");
-    write_text(page, figures.markdown(o_, "pictures/figures"));
+    image::write_file(folder_ / "figures.json", figures.document().dump(1) + "\n");
+    image::write_file(page, figures.markdown(o_, "pictures/figures"));
     for (const fs::path& name : {folder_ / "figures.json", page}) fmt::print("{}\n", name.string());
     if (const size_t messages = device.take_messages().size())
       fail(Exit::CheckFailed, "{} validation messages (above)", messages);
@@ -182,9 +177,9 @@ class EvaluateJob {
     }
     const json document = temporal_json(o_, lengths, rows, device.info, complete);
     const std::string markdown = temporal_markdown(document);
-    write_text(folder_ / "temporal.json", document.dump(1) + "\n");
-    write_text(folder_ / "temporal.md", markdown);
-    if (!o_.markdown.empty()) write_text(o_.markdown, markdown);
+    image::write_file(folder_ / "temporal.json", document.dump(1) + "\n");
+    image::write_file(folder_ / "temporal.md", markdown);
+    if (!o_.markdown.empty()) image::write_file(o_.markdown, markdown);
     if (!o_.quiet) fmt::print("{}\n", markdown);
     for (const char* name : {"temporal.json", "temporal.md"}) fmt::print("{}\n", (folder_ / name).string());
     if (const size_t messages = device.take_messages().size())
@@ -195,10 +190,10 @@ class EvaluateJob {
   void report(const std::vector<json>& rows, const gpu::DeviceInfo& device, bool complete) {
     const json document = evaluation_json(o_, rows, device, complete);
     const std::string markdown = evaluation_markdown(document);
-    write_text(folder_ / "evaluation.json", document.dump(1) + "\n");
-    write_text(folder_ / "evaluation.md", markdown);
-    write_text(folder_ / "evaluation.html", evaluation_html(document));
-    if (!o_.markdown.empty()) write_text(o_.markdown, markdown);
+    image::write_file(folder_ / "evaluation.json", document.dump(1) + "\n");
+    image::write_file(folder_ / "evaluation.md", markdown);
+    image::write_file(folder_ / "evaluation.html", evaluation_html(document));
+    if (!o_.markdown.empty()) image::write_file(o_.markdown, markdown);
     if (!o_.quiet) fmt::print("{}\n", markdown);
     for (const char* name : {"evaluation.json", "evaluation.md", "evaluation.html"})
       fmt::print("{}\n", (folder_ / name).string());

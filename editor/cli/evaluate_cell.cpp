@@ -32,17 +32,6 @@ uint64_t program_fingerprint() {
   return value;
 }
 
-// The pixels whose first surface is the same to the rasteriser and to the tracer; `left_out` are those that differ.
-std::vector<uint8_t> common_surfaces(const std::vector<float>& seen, const std::vector<float>& traced,
-                                     uint64_t& left_out) {
-  std::vector<uint8_t> mask(seen.size());
-  for (size_t i = 0; i < seen.size(); ++i) {
-    mask[i] = seen[i] > 0 && traced[i] > 0 && std::abs(seen[i] - traced[i]) <= 0.02f * traced[i];
-    left_out += !mask[i] && (seen[i] > 0 || traced[i] > 0);
-  }
-  return mask;
-}
-
 double mean_value(const image::Image& picture, const std::vector<uint8_t>& mask) {
   return image::bias({picture, picture, mask}).reference;
 }
@@ -51,12 +40,6 @@ constexpr const char* radius_names[] = {"ball", "ball_falloff", "disc"};
 
 json part_json(const image::ErrorPart& part) {
   return {{"bias", part.bias}, {"rmse", part.rmse}, {"floor", part.floor}};
-}
-
-const image::Image* find(const std::vector<image::Layer>& layers, std::string_view name) {
-  for (const image::Layer& layer : layers)
-    if (layer.name == name) return &layer.image;
-  return nullptr;
 }
 
 }  // namespace
@@ -246,10 +229,10 @@ json Stage::measure(const Contender& contender, TruthStore& store, const fs::pat
   if (interrupted()) return nullptr;
 
   uint64_t left_out = 0;
-  const std::vector<uint8_t> mask = common_surfaces(buffers_.depth, truth->at("depth").a.pixels, left_out);
+  const std::vector<uint8_t> mask = image::common_surfaces(buffers_.depth, truth->at("depth").a.pixels, left_out);
   json measured = json::object(), absent = json::object();
   for (const Quantity& q : quantities()) {
-    if (!find(a, q.layer)) {
+    if (!image::find_layer(a, q.layer)) {
       absent[q.id] = "the technique does not give it";
       continue;
     }
@@ -264,10 +247,10 @@ json Stage::measure(const Contender& contender, TruthStore& store, const fs::pat
       row = measure_bounces(contender, q, store, march, mask, picture);
       if (interrupted()) return nullptr;
     } else {
-      const image::Halves test{*find(a, q.layer), *find(b, q.layer)};
+      const image::Halves test{image::find_layer(a, q.layer)->image, image::find_layer(b, q.layer)->image};
       const auto known = same->find(q.same);
-      row = errors({q, test, truth->at(q.truth), known == same->end() ? nullptr : &known->second, find(one, q.layer),
-                    contender.label, picture},
+      row = errors({q, test, truth->at(q.truth), known == same->end() ? nullptr : &known->second,
+                    &image::find_layer(one, q.layer)->image, contender.label, picture},
                    mask);
     }
     if (row.is_null())

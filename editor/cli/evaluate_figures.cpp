@@ -54,9 +54,8 @@ image::Image8 strip(const std::vector<image::Image>& pictures) {
         for (uint32_t c = 0; c < 3; ++c) {
           const image::Image& p = pictures[n];
           const float value = p.pixels[(size_t(y) * width + x) * p.channels + std::min(c, p.channels - 1)] / white;
-          const float srgb = value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1 / 2.4f) - 0.055f;
           out.pixels[(size_t(y) * all + n * (width + gap) + x) * 3 + c] =
-              uint8_t(std::lround(255 * std::clamp(srgb, 0.0f, 1.0f)));
+              uint8_t(std::lround(255 * std::clamp(image::srgb_from_linear(value), 0.0f, 1.0f)));
         }
   return out;
 }

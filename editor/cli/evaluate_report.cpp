@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cli/evaluate.h"
+#include "cli/paper_spec.h"
 
 namespace nf::editor {
 namespace {
@@ -101,17 +102,7 @@ Table summary_table(const json& document) {
 }
 
 std::string markdown_of(const Table& table) {
-  std::string text = "|";
-  for (const std::string& cell : table.head) text += fmt::format(" {} |", cell);
-  text += "\n|";
-  for (size_t i = 0; i < table.head.size(); ++i) text += i ? "---:|" : "---|";
-  text += "\n";
-  for (const auto& row : table.rows) {
-    text += "|";
-    for (const std::string& cell : row) text += fmt::format(" {} |", cell);
-    text += "\n";
-  }
-  return text;
+  return markdown_table(table.head, table.rows);
 }
 
 std::string escaped(const std::string& text) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <map>
 
 #include "cli/frames.h"
@@ -16,13 +15,6 @@ double now_ns() {
   return double(
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
           .count());
-}
-
-// CPU time of all threads of this process: what a frame costs on a software device, whoever else is at work.
-double process_ms() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return double(time.tv_sec) * 1e3 + double(time.tv_nsec) * 1e-6;
 }
 
 nlohmann::json counts_json(const gpu::PassCounts& counts, graph::PassKind kind) {
@@ -121,7 +113,7 @@ void Meter::run_block(const Block& block, const Subject& subject, capture::Run& 
 }
 
 void Meter::run_frame(const Subject& subject, uint32_t n, capture::Run* run, const Block& block, bool last) {
-  const double start = now_ns(), process_start = process_ms();
+  const double start = now_ns(), process_start = capture::own_cpu_seconds();
   const uint32_t counted = n >= o_.warmup ? n - o_.warmup : 0;
   view_.frame_index = n;
   renderer_.update(scene::animate(scene_, o_.time + (o_.fps > 0 ? n / o_.fps : 0)));
@@ -146,7 +138,7 @@ void Meter::run_frame(const Subject& subject, uint32_t n, capture::Run* run, con
   const graph::FrameResult result = renderer_.executor().finish();
   if (run) {
     keep(result, built_ms + result.record_ms, block, n - o_.warmup, *run);
-    run->frames.back().process_ms = process_ms() - process_start;
+    run->frames.back().process_ms = (capture::own_cpu_seconds() - process_start) * 1e3;
   }
   ++done_;
   if (on_progress) on_progress(done_, total_, result.frame_ms);

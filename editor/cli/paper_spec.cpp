@@ -11,6 +11,11 @@ namespace nf::editor {
 
 using nlohmann::json;
 
+std::filesystem::path preset_folder(const std::string& name, const char* file) {
+  const std::filesystem::path bundled = gpu::find_shader_folder().parent_path() / "content" / "presets" / name;
+  return std::filesystem::exists(bundled / file) ? bundled : std::filesystem::path(name);
+}
+
 json read_spec(const std::filesystem::path& file, const std::string& schema) {
   const std::vector<uint8_t> bytes = image::read_file(file);
   json document = json::parse(bytes.begin(), bytes.end(), nullptr, false);

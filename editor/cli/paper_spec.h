@@ -10,6 +10,9 @@
 
 namespace nf::editor {
 
+// The folder NAME of content/presets, if it has `file`; else the path `name`.
+std::filesystem::path preset_folder(const std::string& name, const char* file = "");
+
 // Throws nf::Error (Exit::Input), with the file's name, where it is missing, no JSON, or of another schema.
 nlohmann::json read_spec(const std::filesystem::path& file, const std::string& schema);
 // The same for a key that is none of these. `where` is the object's place in the file.

@@ -222,7 +222,7 @@ class ReferenceJob {
         fmt::print("{}", text);
         return;
       }
-      image::write_file(o_.json_file, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+      image::write_file(o_.json_file, text);
       written_.push_back(o_.json_file);
     }
     if (!o_.quiet) {

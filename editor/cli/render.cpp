@@ -270,7 +270,7 @@ class RenderJob {
         return;
       }
       const std::string text = document.dump(1) + "\n";
-      image::write_file(o_.json_file, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+      image::write_file(o_.json_file, text);
       written_.push_back(o_.json_file);
     }
     if (!rows.empty() && !o_.quiet) {

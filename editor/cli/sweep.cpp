@@ -104,7 +104,7 @@ class SweepJob {
   }
   void save_plan() const {
     const std::string text = plan_.dump(1) + "\n";
-    image::write_file(folder_ / "sweep.json", std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+    image::write_file(folder_ / "sweep.json", text);
   }
   std::vector<SweepCell> planned_round(size_t round) const {
     std::vector<SweepCell> cells;
@@ -213,7 +213,7 @@ class SweepJob {
         text += "," + number(cell["errors"].value(metric->id, json()));
       text += "\r\n";
     }
-    image::write_file(folder_ / "summary.csv", std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+    image::write_file(folder_ / "summary.csv", text);
   }
 
   void print_fronts(const std::vector<json>& cells) const {

@@ -36,24 +36,23 @@ SceneInfo describe(const scene::Scene& scene) {
   return info;
 }
 
-Pixels to_pixels(const image::Layer& layer) {
-  Pixels out{.size = {layer.image.width, layer.image.height}, .channels = layer.image.channels, .name = layer.name};
-  const size_t count = size_t(out.size.x) * out.size.y;
+Pixels to_pixels(const std::string& name, glm::uvec2 size, uint32_t channels, const std::vector<float>& floats) {
+  Pixels out{.size = size, .channels = channels, .name = name};
+  const size_t count = size_t(size.x) * size.y;
   out.floats.assign(count * 4, 0);
   for (size_t i = 0; i < count; ++i)
-    for (uint32_t c = 0; c < std::min(layer.image.channels, 4u); ++c)
-      out.floats[i * 4 + c] = layer.image.pixels[i * layer.image.channels + c];
+    for (uint32_t c = 0; c < std::min(channels, 4u); ++c) out.floats[i * 4 + c] = floats[i * channels + c];
   return out;
 }
 
+Pixels to_pixels(const image::Layer& layer) {
+  return to_pixels(layer.name, {layer.image.width, layer.image.height}, layer.image.channels, layer.image.pixels);
+}
+
 Pixels to_pixels(const graph::Readback& readback, const std::string& name) {
-  Pixels out{.size = {readback.desc.size.width, readback.desc.size.height}, .name = name};
-  const std::vector<float> floats = graph::to_floats(readback, out.channels);
-  const size_t count = size_t(out.size.x) * out.size.y;
-  out.floats.assign(count * 4, 0);
-  for (size_t i = 0; i < count; ++i)
-    for (uint32_t c = 0; c < std::min(out.channels, 4u); ++c) out.floats[i * 4 + c] = floats[i * out.channels + c];
-  return out;
+  uint32_t channels = 0;
+  const std::vector<float> floats = graph::to_floats(readback, channels);
+  return to_pixels(name, {readback.desc.size.width, readback.desc.size.height}, channels, floats);
 }
 
 // Puts the probe into the frame; what is wrong with it comes back.

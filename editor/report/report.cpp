@@ -122,7 +122,7 @@ std::vector<std::string> write_report(const fs::path& path, const ReportData& da
   replace(page, "/*DATA*/", text);
   const size_t script = page.rfind("/*JS*/");
   page.replace(script, 6, report_js);
-  image::write_file(path, std::span(reinterpret_cast<const uint8_t*>(page.data()), page.size()));
+  image::write_file(path, page);
   return written;
 }
 

@@ -80,7 +80,7 @@ class Emitter {
     return device_.empty() ? "" : " --device " + quote(device_);
   }
   void write(const std::string& name, const std::string& text) {
-    image::write_file(folder_ / name, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+    image::write_file(folder_ / name, text);
     written.push_back((folder_ / name).string());
   }
   fs::path folder_;

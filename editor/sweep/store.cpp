@@ -84,7 +84,7 @@ std::vector<std::string> merge_parts(const fs::path& folder, const SweepSpec& sp
     found.erase(row);
   }
   for (const auto& [id, cell] : found) text += cell.dump() + "\n";  // of narrowing
-  image::write_file(folder / "cells.jsonl", std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+  image::write_file(folder / "cells.jsonl", text);
   return missing;
 }
 

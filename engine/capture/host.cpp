@@ -38,7 +38,7 @@ double monotonic() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// CPU seconds that the whole machine, and this process, have used.
+// CPU seconds that the whole machine has used.
 double machine_busy() {
   std::ifstream in("/proc/stat");
   std::string cpu;
@@ -46,18 +46,19 @@ double machine_busy() {
   if (!(in >> cpu >> user >> nice >> system >> idle >> wait >> irq >> soft)) return 0;
   return (user + nice + system + irq + soft) / double(std::max(sysconf(_SC_CLK_TCK), 1L));
 }
-double own_busy() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + double(t.tv_usec) * 1e-6; };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
 
 int core_count() {
   return int(std::max(std::thread::hardware_concurrency(), 1u));
 }
 
 }  // namespace
+
+double own_cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + double(t.tv_usec) * 1e-6; };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
 
 Host describe_host() {
   Host host{.os = find_value("/etc/os-release", "PRETTY_NAME", '='),
@@ -67,12 +68,13 @@ Host describe_host() {
   return host;
 }
 
-LoadWatch::LoadWatch() : average_(load_average()), busy_(machine_busy()), own_(own_busy()), start_(monotonic()) {}
+LoadWatch::LoadWatch()
+    : average_(load_average()), busy_(machine_busy()), own_(own_cpu_seconds()), start_(monotonic()) {}
 
 HostLoad LoadWatch::load() const {
   HostLoad load{.cores = core_count(), .average_start = average_, .average_end = load_average()};
   const double seconds = monotonic() - start_;
-  if (seconds > 0) load.others = std::max((machine_busy() - busy_ - own_busy() + own_) / seconds, 0.0);
+  if (seconds > 0) load.others = std::max((machine_busy() - busy_ - own_cpu_seconds() + own_) / seconds, 0.0);
   return load;
 }
 

@@ -18,6 +18,10 @@ struct HostLoad {
   double others = 0;                          // cores kept busy by other processes, on average
 };
 
+// CPU seconds that this process has used, all threads: what a frame costs on a software device, whoever else is at
+// work.
+double own_cpu_seconds();
+
 // Watches from its construction on.
 class LoadWatch {
  public:

@@ -45,6 +45,16 @@ double noise_of(const Halves& halves, const std::vector<uint8_t>& mask) {
          2;
 }
 
+std::vector<uint8_t> common_surfaces(const std::vector<float>& seen, const std::vector<float>& traced,
+                                     uint64_t& left_out) {
+  std::vector<uint8_t> mask(seen.size());
+  for (size_t i = 0; i < seen.size(); ++i) {
+    mask[i] = seen[i] > 0 && traced[i] > 0 && std::abs(seen[i] - traced[i]) <= 0.02f * traced[i];
+    left_out += !mask[i] && (seen[i] > 0 || traced[i] > 0);
+  }
+  return mask;
+}
+
 ErrorPart error_between(const Halves& test, const Halves& reference, const std::vector<uint8_t>& mask) {
   ErrorPart part;
   part.bias = mean_over(test.a, mask, [&](size_t i) {

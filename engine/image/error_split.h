@@ -14,6 +14,11 @@ Image mean_of(const Halves& halves);
 // The standard error of mean_of, over all pixels that count and channels: half the RMSE of the halves' difference.
 double noise_of(const Halves& halves, const std::vector<uint8_t>& mask);
 
+// A byte a pixel, 1 where the first surface is the same to the rasteriser and to the tracer, by their depths (0: none);
+// `left_out` grows by those that differ.
+std::vector<uint8_t> common_surfaces(const std::vector<float>& seen, const std::vector<float>& traced,
+                                     uint64_t& left_out);
+
 // `bias` is the mean of test - reference. `rmse` is the root of the mean of (test.a - reference.a)(test.b -
 // reference.b): noise has no part in it, for its product's mean is 0. Where noise takes that below 0 it is 0. What is
 // below `floor`, the root of two standard errors of that mean, is not told from none.

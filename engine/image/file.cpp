@@ -103,4 +103,8 @@ void write_file(const fs::path& path, std::span<const uint8_t> bytes) {
   }
 }
 
+void write_file(const fs::path& path, std::string_view text) {
+  write_file(path, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
 }  // namespace nf::image

@@ -59,6 +59,12 @@ Difference difference(const Image& a, const Image& b, float threshold) {
   return result;
 }
 
+const Layer* find_layer(std::span<const Layer> layers, std::string_view name) {
+  for (const Layer& layer : layers)
+    if (layer.name == name) return &layer;
+  return nullptr;
+}
+
 float srgb_from_linear(float linear) {
   return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
 }

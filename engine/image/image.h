@@ -6,6 +6,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace nf::image {
@@ -31,6 +32,8 @@ struct Layer {
   std::string channels;
   Image image;
 };
+// nullptr: there is none of this name.
+const Layer* find_layer(std::span<const Layer> layers, std::string_view name);
 
 // Half saturates: what is beyond +-65504, infinity included, becomes +-65504; NaN stays NaN.
 enum class Precision { Half, Float };

@@ -21,8 +21,7 @@
 #define NF_EMITTER_PARAMS(P)                                                                                      \
   P(Choice, emitter, 3, 0, 3, "one_sided|none|cosine|half_space",                                                 \
     "Emitters shine if the texel is seen from its front; to all sides; by their cosine, as printed; or into the " \
-    "directions "                                                                                                 \
-    "in front of their plane")
+    "directions in front of their plane")
 
 #define NF_VBGI_PARAMS(P) NF_EMITTER_PARAMS(P) NF_BITMASK_PARAMS(P)
 

@@ -20,11 +20,8 @@ float segment_visibility(vec3 position, vec3 plane, vec3 l, float reach, float d
     if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, frame.size))) break;
     float depth = FETCH_DEPTH(texel);
     float behind = -at.z - depth;
-    // What does not rise over the receiver's plane is its own surface. 0.002: rounding of normals and depths.
     vec3 towards = view_position(vec2(texel) + 0.5, depth, frame.ray_scale, frame.ray_offset) - from;
-    float height = dot(towards, normal);
-    bool rises = height > 0.0 && height * height > 4e-6 * dot(towards, towards);
-    open = !(depth > 0.0 && behind > 0.0 && behind < thickness && rises);
+    open = !(depth > 0.0 && behind > 0.0 && behind < thickness && rises_over(normal, towards));
   }
   return open ? 1.0 : 0.0;
 }

@@ -17,4 +17,11 @@ vec2 pixel_of(vec3 position, vec2 ray_scale, vec2 ray_offset) {
   return (vec2(position.x, position.y) / -position.z - ray_offset) / ray_scale;
 }
 
+// Whether what lies `towards` rises over a surface's tangent plane. What lies in it, the surface itself first of all, does not, wherever
+// in its texel a point falls; so no bias is needed. 0.002: rounding of normals and depths.
+bool rises_over(vec3 normal, vec3 towards) {
+  float height = dot(towards, normal);
+  return height > 0.0f && height * height > 4e-6f * dot(towards, towards);
+}
+
 #endif

@@ -29,12 +29,7 @@ Probe probe_at(Receiver receiver, vec3 offset) {
   return probe;
 }
 
-// The surface rises over the receiver's tangent plane. What lies in it, the receiver's own surface first of all, occludes
-// nothing, wherever in its texel the point falls; so no bias is needed. 0.002: rounding of normals and depths.
-bool rises(Receiver receiver, Probe probe) {
-  float height = dot(probe.towards, receiver.normal);
-  return height > 0.0f && height * height > 4e-6f * dot(probe.towards, probe.towards);
-}
+bool rises(Receiver receiver, Probe probe) { return rises_over(receiver.normal, probe.towards); }
 
 // Depth of what is taken as solid behind a surface (gi.thickness_mode), as the bitmasks have it: along the sample's own view
 // ray or the receiver's.

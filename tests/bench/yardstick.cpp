@@ -3,10 +3,10 @@
 // Without variants: all passes of the default frame. A variant is a technique and settings, as in
 // "gtao,gi.slices=2,gtao.bent=false": only the technique's own passes are printed. Not a test: it asserts nothing.
 #include <cstdio>
-#include <ctime>
 #include <map>
 #include <sstream>
 
+#include "capture/host.h"
 #include "capture/statistics.h"
 #include "frame.h"
 #include "scene/gltf.h"
@@ -21,11 +21,8 @@ struct Variant {
   passes::FrameSettings settings;
 };
 
-// Milliseconds of CPU of this process, all threads: what a software device costs, whoever else is at work.
 double cpu_ms() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) * 1e3 + double(t.tv_nsec) * 1e-6;
+  return capture::own_cpu_seconds() * 1e3;
 }
 
 Variant parse_variant(const std::string& text) {

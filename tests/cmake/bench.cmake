@@ -1,6 +1,6 @@
 # Benchmarks: programs that print figures; ctest does not run them.
 add_executable(yardstick bench/yardstick.cpp)
-target_link_libraries(yardstick PRIVATE nf_passes nf_options)
+target_link_libraries(yardstick PRIVATE nf_passes nf_capture nf_options)
 target_compile_definitions(yardstick PRIVATE NF_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
 add_executable(moving_boxes bench/moving_boxes.cpp)
 target_link_libraries(moving_boxes PRIVATE nf_passes nf_content nf_capture nf_options)
