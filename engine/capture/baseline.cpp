@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <map>
 
+#include "capture/timing.h"
 #include "core/error.h"
 
 namespace nf::capture {
@@ -60,7 +61,8 @@ void require_same(const json& a, const json& b, const json::json_pointer& what, 
 
 Verdict judge(const Change& change, double frame_ms, double fail_above) {
   const double grown = change.after - change.before;
-  if (std::abs(grown) <= change.noise || std::max(change.before, change.after) < 0.01 * frame_ms) return Verdict::Same;
+  if (std::abs(grown) <= change.noise || std::max(change.before, change.after) < compared_share * frame_ms)
+    return Verdict::Same;
   if (grown < 0) return Verdict::Faster;
   return grown > fail_above * change.before ? Verdict::Regression : Verdict::Slower;
 }

@@ -35,13 +35,36 @@ void judge_load(const Circumstances& c, Trust& trust) {
     trust.noisy.push_back(fmt::format("other processes used {:.2f} of {} cores", load.others, load.cores));
 }
 
+// The worst of the passes that have the same fault, and how many there are.
+struct Worst {
+  double degree = 0;
+  std::string text;
+  uint32_t count = 0;
+  void add(double how_bad, std::string said) {
+    ++count;
+    if (how_bad <= degree) return;
+    degree = how_bad;
+    text = std::move(said);
+  }
+  void tell(Trust& trust) const {
+    if (count > 1) trust.noisy.push_back(fmt::format("{}, and {} more like it", text, count - 1));
+    if (count == 1) trust.noisy.push_back(text);
+  }
+};
+
+void judge_spread(const Statistics& s, const std::string& what, double frame, Worst& worst) {
+  if (s.count > 1 && s.median >= smallest_share * frame && s.p95 > 1.5 * s.median)
+    worst.add(s.p95 / s.median, fmt::format("p95/median = {:.2f} in {}", s.p95 / s.median, what));
+}
+
 // The medians of the repeats of one run should agree.
-void judge_repeats(const PassSummary& frame, Trust& trust) {
-  if (frame.per_repeat.size() < 2) return;
-  const auto [low, high] = std::minmax_element(frame.per_repeat.begin(), frame.per_repeat.end());
-  if (*high - *low > 3 * frame.gpu.mad && *high > 1.02 * *low)
-    trust.noisy.push_back(
-        fmt::format("the repeats' medians differ: {:.3f} to {:.3f} ms, mad {:.3f} ms", *low, *high, frame.gpu.mad));
+void judge_repeats(const PassSummary& pass, const std::string& what, double frame, Worst& worst) {
+  if (pass.per_repeat.size() < 2 || pass.gpu.median < compared_share * frame) return;
+  const auto [low, high] = std::minmax_element(pass.per_repeat.begin(), pass.per_repeat.end());
+  if (*high - *low > 3 * pass.gpu.mad && *high > 1.02 * *low)
+    worst.add((*high - *low) / *low,
+              fmt::format("the repeats' medians of {} differ: {:.3f} to {:.3f} ms, mad {:.3f} ms", what, *low, *high,
+                          pass.gpu.mad));
 }
 
 }  // namespace
@@ -97,13 +120,15 @@ Trust judge(const Run& run, const Summary& summary, const Circumstances& c) {
   if (c.validation) trust.noisy.emplace_back("validation is on");
   judge_load(c, trust);
   const double frame = summary.frame.gpu.median;
-  const auto spread = [&](const Statistics& s, const std::string& what) {
-    if (s.count > 1 && s.median >= smallest_share * frame && s.p95 > 1.5 * s.median)
-      trust.noisy.push_back(fmt::format("p95/median = {:.2f} in {}", s.p95 / s.median, what));
-  };
-  spread(summary.frame.gpu, "the frame");
-  for (size_t p = 0; p < summary.passes.size(); ++p) spread(summary.passes[p].gpu, run.passes[p].path);
-  judge_repeats(summary.frame, trust);
+  Worst spread, repeats;
+  judge_spread(summary.frame.gpu, "the frame", frame, spread);
+  judge_repeats(summary.frame, "the frame", frame, repeats);
+  for (size_t p = 0; p < summary.passes.size(); ++p) {
+    judge_spread(summary.passes[p].gpu, run.passes[p].path, frame, spread);
+    judge_repeats(summary.passes[p], run.passes[p].path, frame, repeats);
+  }
+  spread.tell(trust);
+  repeats.tell(trust);
   return trust;
 }
 

@@ -63,6 +63,9 @@ struct Circumstances {
   bool software_device = false, debug_build = false, validation = false, overlap = false, timestamps = true;
 };
 
+// A pass with less of its frame is not compared: neither with a baseline nor its repeats with each other.
+inline constexpr double compared_share = 0.01;
+
 // `noisy` holds the reasons to distrust the figures; a software device is a warning and no such reason.
 struct Trust {
   std::vector<std::string> warnings, noisy;
