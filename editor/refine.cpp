@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/peaks.h"
+
 namespace nf::editor {
 namespace {
 
@@ -10,14 +12,14 @@ namespace {
 const std::vector<std::string> layers = {"",           "direct", "indirect", "gi",   "ambient",
                                          "visibility", "albedo", "normal",   "depth"};
 
-reference::Settings tracer_settings(Editor& editor) {
+reference::Settings tracer_settings(Editor& editor, float peak_distance) {
   const passes::FrameSettings& s = editor.document.settings;
   const passes::GiParams& gi = s.gi.shared;
   reference::Settings out;
   out.camera = editor.view.camera;
   out.size = editor.wanted.size;
   out.bounces = uint32_t(editor.reference.bounces);
-  out.radius = gi.radius;
+  out.radius = passes::finds_radius(s) && peak_distance > 0 ? peak_distance : gi.radius;
   out.radius_mode = gi.radius_mode == 0   ? reference::RadiusMode::Disc
                     : gi.radius_mode == 1 ? reference::RadiusMode::Ball
                                           : reference::RadiusMode::BallFalloff;
@@ -46,6 +48,7 @@ uint8_t tone_map(float x, const passes::TonemapParams& tonemap) {
 }  // namespace
 
 void Refiner::take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene) {
+  if (scene) peak_distance_ = scene::peak_distance(*scene);
   // Each has a copy of its own; the tracer asked first where both did.
   if (!asked_ && split_asked_) {
     split_asked_ = false;
@@ -54,7 +57,7 @@ void Refiner::take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene) {
   }
   asked_ = false;
   if (!editor.reference.on || !scene) return;
-  LiveSettings settings{.tracer = tracer_settings(editor), .layers = layers};
+  LiveSettings settings{.tracer = tracer_settings(editor, peak_distance_), .layers = layers};
   settings.tracer.threads = std::max(std::thread::hardware_concurrency() / 2, 1u);
   camera_ = settings.tracer.camera;
   size_ = settings.tracer.size;
@@ -85,7 +88,7 @@ void Refiner::update(Editor& editor) {
   update_split(editor);
   if (!editor.wanted.moving && !asked_) {
     const bool other = !running_ || scene_ != editor.wanted.scene || lights_ != editor.wanted.lights_revision ||
-                       settings_ != settings_text(tracer_settings(editor));
+                       settings_ != settings_text(tracer_settings(editor, peak_distance_));
     if (other) {
       editor.outbox.push_back({live::CommandKind::CopyScene, {}, {}, {}});
       asked_ = true;

@@ -29,6 +29,7 @@ class Refiner {
   void show_split(Editor& editor);
   LiveReference tracer_;
   bool asked_ = false, running_ = false;
+  float peak_distance_ = 0;  // of the scene taken last
   uint64_t scene_ = 0, lights_ = 0;
   scene::Camera camera_;
   glm::uvec2 size_{0};

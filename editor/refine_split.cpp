@@ -70,7 +70,9 @@ void Refiner::take_layers(Editor& editor, live::Published& frame) {
   const bool current = frame.revision == wanted.revision && !frame.moving && wanted.bare && r.split_on();
   if (current && !test) r.split_note = fmt::format("{} gives no {}", editor.document.settings.technique->id, q.name);
   if (current && test && radiance && test->image.width == wanted.size.x && test->image.height == wanted.size.y) {
-    const reference::MarchSettings march = march_settings(editor.document.settings, editor.view.camera);
+    passes::FrameSettings shown = editor.document.settings;
+    if (passes::finds_radius(shown) && peak_distance_ > 0) shown.gi.shared.radius = peak_distance_;
+    const reference::MarchSettings march = march_settings(shown, editor.view.camera);
     const reference::Settings tracer = split_tracer(editor, march);
     const std::string scene = scene_key(wanted);
     const std::string truth =

@@ -4,6 +4,7 @@
 #include "energy.h"
 #include "marcher.h"
 #include "scene/camera.h"
+#include "scene/peaks.h"
 
 namespace nf::passes {
 
@@ -23,6 +24,15 @@ void set_paper_mode(FrameSettings& settings) {
   if (settings.technique->paper_mode.empty())
     fail(Exit::Usage, "{} has no paper mode: leave --mode away or use --mode radiometric", settings.technique->id);
   for (const char* assignment : settings.technique->paper_mode) params::assign(settings.blocks(), assignment);
+}
+
+bool finds_radius(const FrameSettings& settings) {
+  return settings.technique->finds_radius && settings.technique->finds_radius(settings.gi);
+}
+
+void find_radius(FrameSettings& settings, const scene::Scene& scene) {
+  const float found = finds_radius(settings) ? scene::peak_distance(scene) : 0;
+  if (found > 0) settings.gi.shared.radius = found;
 }
 
 void FrameSettings::switch_off_reconstruction() {
@@ -146,12 +156,18 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
   }
   const PixelGrid grid =
       settings.reconstruct ? make_grid(settings.resolution.gi, view.frame_index, averaged) : PixelGrid{};
+  GiSettings gi = settings.gi;
+  if (finds_radius(settings)) {
+    // Once: a radius that follows what moves would make the light flicker.
+    if (!peak_distance_) peak_distance_ = scene::peak_distance(scene_);
+    if (*peak_distance_ > 0) gi.shared.radius = *peak_distance_;
+  }
   size_t small_picture = 0, inspected_picture = 0;
   if (view.inspect) {
     const glm::ivec2 pixel = glm::ivec2(glm::min(*view.inspect, asked.size - 1u));
     for (size_t i = 0; i < grid.offsets.size(); ++i)
       if ((pixel + out.border - grid.offsets[i]) % grid.factor == glm::ivec2(0)) inspected_picture = i;
-    out.inspection = make_inspect_request(settings.gi, pixel, glm::ivec2(view.size), grid.factor,
+    out.inspection = make_inspect_request(gi, pixel, glm::ivec2(view.size), grid.factor,
                                           grid.offsets[inspected_picture], out.border);
   }
   out.gi_raw = add_at_resolution(
@@ -160,7 +176,7 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
         const bool inspect = view.inspect && small_picture++ == inspected_picture;
         gi_->inspect(inspect);
         return settings.technique->add(
-            graph, *gi_, {gbuffer, radiance, environment_, *noise_, inspect ? &out.inspection : nullptr}, settings.gi);
+            graph, *gi_, {gbuffer, radiance, environment_, *noise_, inspect ? &out.inspection : nullptr}, gi);
       });
   out.gi = out.gi_raw;
   if (settings.reconstruct) {

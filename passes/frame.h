@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "accumulate.h"
@@ -39,6 +40,11 @@ struct FrameSettings {
   // Every stage of reconstruction off, each by its own parameter: a later assignment can switch it on again.
   void switch_off_reconstruction();
 };
+
+// Whether the technique, as set, takes the scene's own radius for gi.radius. A Renderer does so by itself; who makes a
+// reference of the settings gives them that radius first, as far as the scene has one.
+bool finds_radius(const FrameSettings& settings);
+void find_radius(FrameSettings& settings, const scene::Scene& scene);
 
 // Applies the technique's paper form to the parameters. Throws nf::Error (Exit::Usage) when it has none.
 void set_paper_mode(FrameSettings& settings);
@@ -90,6 +96,7 @@ class Renderer {
   gpu::Device& device_;
   EnvironmentMaps environment_;
   const Technique* last_technique_ = nullptr;
+  std::optional<float> peak_distance_;         // of the scene as it stood when first asked for
   std::vector<std::string> mean_names_;        // by row of aovs()
   std::unique_ptr<graph::Executor> executor_;  // last: goes first
 };

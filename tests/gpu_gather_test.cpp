@@ -2,6 +2,7 @@
 // clean.
 #include "gather_twin.h"
 #include "gpu_fixture.h"
+#include "scene/peaks.h"
 
 namespace nf::test {
 namespace {
@@ -93,6 +94,27 @@ TEST_F(Gather, DeviceAndHostAgree) {
     EXPECT_GT(occluded, count / 20) << technique;
     EXPECT_GT(lit, count / 50) << technique;
   }
+}
+
+// ssdo.auto_radius is gi.radius by another way; a technique that does not know it keeps its own.
+TEST_F(Gather, TheSceneGivesTheRadius) {
+  scene::Scene scene = load(corner());
+  scene.environment.color = {0.4f, 0.5f, 0.6f};
+  const float peaks = scene::peak_distance(scene);
+  EXPECT_GT(peaks, 0.1f);
+  const auto pixels = [&](const char* technique, bool automatic, float radius) {
+    Request request{.size = {48, 27}, .camera = camera, .settings = settings_for(technique)};
+    request.settings.gi.ssdo.auto_radius = automatic;
+    request.settings.gi.shared.radius = radius;
+    EXPECT_EQ(passes::finds_radius(request.settings), automatic && technique == std::string("ssdo"));
+    passes::find_radius(request.settings, scene);
+    EXPECT_EQ(request.settings.gi.shared.radius, automatic && technique == std::string("ssdo") ? peaks : radius);
+    request.settings.gi.shared.radius = radius;
+    return shoot(scene, request).layer("visibility").pixels;
+  };
+  EXPECT_EQ(pixels("ssdo", true, 4), pixels("ssdo", false, peaks));
+  EXPECT_NE(pixels("ssdo", false, 4), pixels("ssdo", false, peaks)) << "control";
+  EXPECT_EQ(pixels("ssao", true, 4), pixels("ssao", false, 4));
 }
 
 TEST_F(Gather, BothModesGiveAllTheirOutputs) {

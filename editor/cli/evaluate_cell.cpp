@@ -204,7 +204,9 @@ json Stage::measure_bounces(const Contender& contender, const Quantity& q, Truth
   return row;
 }
 
-json Stage::measure(const Contender& contender, TruthStore& store, const fs::path& folder) {
+json Stage::measure(const Contender& of, TruthStore& store, const fs::path& folder) {
+  Contender contender = of;
+  passes::find_radius(contender.settings, scene_);
   const passes::FrameSettings& settings = contender.settings;
   const bool lambert = settings.material.lambert != 0;
   look(settings);

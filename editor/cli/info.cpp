@@ -5,6 +5,7 @@
 
 #include "cli/options.h"
 #include "scene/gltf.h"
+#include "scene/peaks.h"
 
 namespace nf::editor {
 namespace {
@@ -101,6 +102,7 @@ json scene_json(const std::string& path) {
           {"cameras", cameras},
           {"directional_lights", s.directional.size()},
           {"punctual_lights", s.punctual.size()},
+          {"peak_distance", scene::peak_distance(s)},
           {"bounds", {{"min", vec(s.bounds.min)}, {"max", vec(s.bounds.max)}}}};
 }
 

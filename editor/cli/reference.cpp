@@ -36,11 +36,13 @@ class ReferenceJob {
   int run() {
     check_output(o_.output, ".exr");
     if (!o_.json_file.empty() && o_.json_file != "-") check_output(o_.json_file, ".json");
-    const passes::FrameSettings frame = make_settings(o_);
+    passes::FrameSettings frame = make_settings(o_);
     reference::Settings settings = tracer_settings(o_, frame.material);
     const std::vector<std::string> layers = reference::parse_layers(o_.aov, o_.bounces);
-    check_kind(frame.gi.shared);
+    check_kind();
     scene::Scene scene = open_scene(o_.scene, o_);
+    passes::find_radius(frame, scene);
+    describe_radius(frame.gi.shared);
     settings.camera = choose_view(o_, scene);
     start_ = Clock::now();
     if (o_.same_information) {
@@ -70,11 +72,14 @@ class ReferenceJob {
  private:
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-  void check_kind(const passes::GiParams& gi) {
+  void check_kind() const {
     if (o_.same_information && o_.resume)
       fail(Exit::Usage, "--same-information has no checkpoints: leave --resume away");
     if (!o_.same_information && (!o_.buffers.empty() || o_.any_emitter || o_.directions != "cosine" || o_.gpu))
       fail(Exit::Usage, "--buffers, --any-emitter, --directions and --gpu belong to --same-information: add it");
+  }
+
+  void describe_radius(const passes::GiParams& gi) {
     const std::string radius = !o_.radius.empty()    ? o_.radius
                                : o_.same_information ? fmt::format("{}", gi.radius)
                                                      : "inf";

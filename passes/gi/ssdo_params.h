@@ -1,11 +1,14 @@
 // Private parameters of ssdo. The shader knows the choices by number (shaders/gi/ssdo.glsl). gi.radius is the
-// hemisphere's; gi.noise is used, and with blocker = within_thickness gi.thickness_mode; of gi's others none.
+// hemisphere's, or auto_radius finds it; gi.noise is used, and with blocker = within_thickness gi.thickness_mode; of
+// gi's others none.
 #pragma once
 
 #include "core/params.h"
 
 #define NF_SSDO_PARAMS(P)                                                                                            \
   P(Int, samples, 16, 1, 64, "", "Directions, each with one point at a random distance")                             \
+  P(Bool, auto_radius, 0, 0, 1, "",                                                                                  \
+    "The radius is not gi.radius but the mean distance between neighbouring peaks of the scene, where it has any")   \
   P(Choice, directions, 0, 0, 1, "cosine|uniform", "Directions by the receiver's cosine, or uniform and weighted")   \
   P(Choice, blocker, 0, 0, 1, "all_behind|within_thickness",                                                         \
     "A point is blocked by any surface in front of it; or within that surface's thickness only, which one point "    \

@@ -101,7 +101,7 @@ const Technique table[] = {
      [](GiSettings& s) {
        return ParamBlock{&SsdoParams::table(), &s.ssdo};
      },
-     true, true},
+     true, true, [](const GiSettings& s) { return s.ssdo.auto_radius != 0; }},
     {"raymarch",
      "Rays through the depth buffer",
      "The baseline of Therrien, Levesque, Gilet (2023), Figure 16",

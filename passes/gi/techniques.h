@@ -37,6 +37,8 @@ struct Technique {
   // What it takes the screen for whatever gi.thickness_mode and gi.radius_mode say: solid without end behind what is
   // seen, as a horizon hides all below it; within a ball of gi.radius.
   bool infinitely_thick = false, in_ball = false;
+  // Whether, as set, it takes the scene's own radius for gi.radius (scene/peaks.h).
+  bool (*finds_radius)(const GiSettings&) = nullptr;
 };
 
 std::span<const Technique> techniques();
