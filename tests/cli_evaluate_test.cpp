@@ -127,9 +127,23 @@ TEST_F(CliEvaluateTest, Bounces) {
 TEST_F(CliEvaluateTest, Figures) {
   const std::string text = R"({"schema": "nearfield.paper_figures/1", "not_made": ["the rest"], "figures": [
     {"id": "one", "title": "Thickness", "source": "nobody", "scene": "fence.glb", "base": {"gi.radius": 1},
-     "picture": "visibility", "show": ["visibility.total.bias", "visibility.variance", "gi_1.total.rmse"],
+     "picture": "visibility", "ring": {"reach": 3, "gap": 0.2},
+     "show": ["visibility.total.bias", "visibility.variance", "gi_1.total.rmse", "visibility.ring.bias"],
      "variants": [{"label": "thin", "technique": "vbao", "params": {"gi.thickness": 0.01}},
-                  {"label": "thick", "technique": "vbao", "params": {"gi.thickness": 50}}]}]})";
+                  {"label": "thick", "technique": "vbao", "params": {"gi.thickness": 50}}]},
+    {"id": "two", "title": "Sums", "source": "nobody", "scene": "fence.glb", "view": "fence.json",
+     "show": ["indirect.total.bias", "indirect.share"],
+     "variants": [{"label": "none", "technique": "none"},
+                  {"label": "all", "technique": "ssao"},
+                  {"label": "open", "technique": "ssao", "ambient_of": "none"}]},
+    {"id": "three", "title": "Noise", "source": "nobody", "scene": "cornell.glb", "kind": "noise",
+     "variants": [{"label": "one", "technique": "hbil"},
+                  {"label": "many", "technique": "hbil", "params": {"temporal.enabled": true}, "frames": 8}]},
+    {"id": "four", "title": "Holes", "source": "nobody", "scene": "cornell.glb", "kind": "holes",
+     "base": {"feedback.reprojection": "scatter", "denoise.method": "atrous"},
+     "variants": [{"label": "still", "technique": "hbil"},
+                  {"label": "aside", "technique": "hbil", "moved": [0.2, 0, 0]},
+                  {"label": "further", "technique": "hbil", "moved": [0.4, 0, 0]}]}]})";
   const auto measure = [&](const std::string& name, const std::string& figures, const Words& more = {}) {
     std::filesystem::create_directories(folder / name);
     std::ofstream(folder / name / "figures.json") << figures;
@@ -151,6 +165,34 @@ TEST_F(CliEvaluateTest, Figures) {
     return figures[0]["rows"][row]["quantities"]["visibility"]["total"]["bias"].get<double>();
   };
   EXPECT_GT(bias(0), bias(1) + 0.02) << "what is thick hides more";
+  const auto ring = [&](size_t row) { return figures[0]["rows"][row]["quantities"]["visibility"]["ring"]; };
+  EXPECT_GT(ring(0)["pixels"].get<int>(), 50);
+  EXPECT_LT(ring(0)["pixels"].get<int>(), 48 * 27 / 2);
+  EXPECT_LT(ring(1)["bias"].get<double>(), bias(1)) << "behind the bars it is darkest";
+
+  const auto sums = [&](size_t row) { return figures[1]["rows"][row]["quantities"]["indirect"]; };
+  EXPECT_EQ(sums(0)["share"].get<double>(), 0) << "no bounce";
+  EXPECT_GT(sums(1)["share"].get<double>(), 0);
+  EXPECT_GT(sums(2)["share"].get<double>(), 0);
+  EXPECT_LT(sums(2)["share"].get<double>(), sums(1)["share"].get<double>()) << "the same, in more";
+  // What bleeds is on top of what is open: open - none = all - (all's ambient light), so open is the brightest.
+  EXPECT_GT(sums(2)["total"]["bias"].get<double>(), sums(0)["total"]["bias"].get<double>());
+  EXPECT_GT(sums(0)["total"]["bias"].get<double>(), sums(1)["total"]["bias"].get<double>());
+
+  const auto noise = [&](size_t row, const char* of) { return figures[2]["rows"][row][of].get<double>(); };
+  EXPECT_GT(noise(0, "pixel"), 2 * noise(0, "4x4"));
+  EXPECT_GT(noise(0, "pixel"), 2 * noise(1, "pixel"));
+
+  const auto holes = [&](size_t row, const char* of) { return figures[3]["rows"][row][of].get<double>(); };
+  EXPECT_EQ(holes(0, "holes"), 0);
+  EXPECT_GT(holes(1, "holes"), 0.005);
+  EXPECT_GT(holes(2, "holes"), holes(1, "holes"));
+  EXPECT_LT(holes(1, "holes"), 0.5);
+  EXPECT_EQ(holes(1, "holes left"), 0);
+  const json& aside = figures[3]["rows"][2];
+  EXPECT_GT(aside["rmse of holes"]["rmse"], aside["rmse of holes"]["floor"]);
+  EXPECT_TRUE(figures[3]["rows"][0]["rmse of holes"].is_null()) << "there are none";
+  EXPECT_EQ(figures[3]["rows"][0]["rmse of others"]["rmse"].get<double>(), 0);
   const std::string page = bytes_of(folder / "good.md");
   EXPECT_NE(page.find(fmt::format("| thin | {:+.4f} |", bias(0))), std::string::npos) << page;
   EXPECT_NE(page.find("| – |"), std::string::npos) << "vbao has no light";
@@ -166,6 +208,9 @@ TEST_F(CliEvaluateTest, Figures) {
   };
   fails("visibility.variance", "visibility.varience", 3);
   fails("gi.thickness", "gi.thikness", 3);
+  fails("noise", "voice", 3);
+  fails("gap", "gab", 3);
+  fails("ambient_of", "ambience", 3);
   fails("label", "lable", 3);
   EXPECT_EQ(measure("set", text, {"--set", "gi.radius=2"}).code, 2);
 }

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "image/ring.h"
+
 namespace nf::image {
 namespace {
 
@@ -91,4 +93,14 @@ TEST(ErrorSplit, Picture) {
 }
 
 }  // namespace
+// A bar of depth 1 before a wall at 2, and a hole in the wall.
+TEST(Ring, BesideWhatIsNearer) {
+  const std::vector<float> depth = {2, 2, 2, 1, 2, 2, 2, 0,  //
+                                    2, 2, 2, 2, 2, 2, 2, 2};
+  EXPECT_EQ(image::ring_behind(depth, 8, 2, 0.5f),
+            (std::vector<uint8_t>{0, 1, 1, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(image::ring_behind(depth, 8, 2, 1.5f), std::vector<uint8_t>(16, 0));
+  EXPECT_EQ(image::ring_behind(depth, 8, 0, 0.5f), std::vector<uint8_t>(16, 0));
+}
+
 }  // namespace nf::image

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "gpu_fixture.h"
+#include "image/ring.h"
 #include "reference/reference.h"
 #include "scene/camera.h"
 #include "scenes.h"
@@ -227,14 +228,12 @@ std::array<double, 2> Techniques::errors_behind_bars(const std::filesystem::path
         {.size = size, .camera = camera, .settings = settings_of(id, assignments), .frames = 8, .accumulate = true});
   };
   const Shot vbao = render("vbao"), gtao = render("gtao");
+  const std::vector<uint8_t> ring = image::ring_behind(vbao.layer("depth").pixels, size.x, 4, 0.2f);
   double error[2] = {0, 0};
   int count = 0;
   for (int y = 4; y < 86; ++y)
     for (int x = 4; x < 156; ++x) {
-      const float depth = vbao.value("depth", {x, y});
-      float nearest = depth;
-      for (int d = -4; d <= 4; ++d) nearest = std::min(nearest, vbao.value("depth", {x + d, y}));
-      if (nearest > depth - 0.2f || nearest <= 0) continue;
+      if (!ring[size_t(y) * size.x + size_t(x)]) continue;
       const auto off = [&](const Shot& shot) {
         return double(shot.value("visibility", {x, y})) - double(truth.at(uint32_t(x), uint32_t(y), 0));
       };

@@ -92,6 +92,40 @@ TEST(HbilForms, IncrementsAreTheComplementOfTheOpenSlice) {
     }
 }
 
+// Equation 19 drops an integral of Fresnel's term that "will influence at most 0.03 % of the final irradiance": its
+// share of an open hemisphere's, by the angle between normal and view vector. The slices' increments are that
+// irradiance.
+TEST(HbilForms, TheFresnelIntegralThatIsDropped) {
+  const auto dropped = [](double tilt) {
+    constexpr int slices = 360, steps = 2000;
+    double open = 0, lost = 0;
+    for (int i = 0; i < slices; ++i) {
+      const double across = std::sin(tilt) * std::cos((i + 0.5) * double(kPi) / slices), along = std::cos(tilt);
+      for (const double side : {1.0, -1.0}) {
+        // Down to the tangent plane.
+        const double t = -side * across / along, horizon = std::acos(t / std::sqrt(1 + t * t));
+        open += double(twin::horizon_increment(vec2(side * across, along), 0, float(horizon))) / slices;
+        for (int k = 0; k < steps; ++k) {
+          const double theta = (k + 0.5) * horizon / steps;
+          lost += std::pow(1 - std::cos(theta / 2), 5) * (side * across * std::sin(theta) + along * std::cos(theta)) *
+                  std::sin(theta) * horizon / steps / slices;
+        }
+      }
+    }
+    EXPECT_NEAR(open, 1, 1e-4) << tilt;
+    return lost / open;
+  };
+  const double shares[] = {dropped(0), dropped(30 * double(kDegree)), dropped(60 * double(kDegree)),
+                           dropped(80 * double(kDegree))};
+  std::printf("dropped at 0, 30, 60, 80 degrees: %.3f, %.3f, %.2f, %.2f %%\n", 100 * shares[0], 100 * shares[1],
+              100 * shares[2], 100 * shares[3]);
+  EXPECT_LT(shares[0], 0.0003);
+  EXPECT_NEAR(shares[0], 0.00008, 5e-6);
+  EXPECT_NEAR(shares[1], 0.00054, 1e-5);
+  EXPECT_NEAR(shares[2], 0.0050, 1e-4);
+  EXPECT_NEAR(shares[3], 0.0167, 2e-4);
+}
+
 // --- the cone ---
 
 TEST(HbilCone, RoundTripAndWhatThePrintedFormMakesOfIt) {

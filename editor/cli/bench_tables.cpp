@@ -92,7 +92,7 @@ void check_table(const json& table, const std::string& where) {
     expect_keys(table.at("form"), where + ".form", {"technique", "mode", "params"});
     spec_settings(table["form"], table.value("base", json::object()));
     for (const json& stage : table.at("stages"))
-      expect_keys(stage, where + ".stages", {"label", "passes", "published"});
+      expect_keys(stage, where + ".stages", {"label", "passes", "published", "beside"});
     return;
   }
   const json& over = table.at("over");
@@ -215,12 +215,14 @@ bool PaperTables::run_stages(json& table, Meter& meter) {
       least = std::min(least, ms);
     }
     stage["least_ms"] = least;
+    // What is not a part of the paper's sum.
+    if (stage.value("beside", false)) continue;
     sum += least;
     published += stage.value("published", 0.0);
   }
   for (json& stage : table["stages"]) {
     stage["share"] = stage["least_ms"].get<double>() / sum;
-    stage["published_share"] = stage.value("published", 0.0) / published;
+    if (stage.contains("published")) stage["published_share"] = stage["published"].get<double>() / published;
   }
   return true;
 }
@@ -251,8 +253,10 @@ std::string PaperTables::markdown(const std::string& device, bool software, cons
       for (const json& stage : table["stages"])
         rows.push_back({stage["label"], fmt::format("{:.2f}", stage["least_ms"].get<double>()),
                         fmt::format("{:.0f} %", 100 * stage["share"].get<double>()),
-                        fmt::format("{:.2f}", stage["published"].get<double>()),
-                        fmt::format("{:.0f} %", 100 * stage["published_share"].get<double>())});
+                        stage.contains("published") ? fmt::format("{:.2f}", stage["published"].get<double>()) : "–",
+                        stage.contains("published")
+                            ? fmt::format("{:.0f} %", 100 * stage["published_share"].get<double>())
+                            : "–"});
     } else {
       head = {fmt::format("over {}", table["over"].begin().value().get<std::string>())};
       for (const json& column : table["columns"]) head.push_back(column["label"]);

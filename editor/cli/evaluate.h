@@ -1,7 +1,8 @@
 // What `nearfield evaluate` measures: cells of a table, techniques x scenes with views, and what is in a cell. Its
 // parts: evaluate.cpp (the command), evaluate_plan.cpp (what is to be done), evaluate_truth.cpp (references, kept on
-// disk), evaluate_cell.cpp (one measurement), evaluate_figures.cpp (the papers' figures), evaluate_report.cpp (JSON,
-// Markdown, HTML); evaluate_temporal.h (what happens over time).
+// disk), evaluate_cell.cpp (one measurement), evaluate_figures.cpp and
+// evaluate_figure_frames.cpp (the papers' figures), evaluate_report.cpp (JSON, Markdown, HTML); evaluate_temporal.h
+// (what happens over time).
 #pragma once
 
 #include <filesystem>
@@ -96,8 +97,12 @@ class Stage {
   uint64_t key(const Contender& contender) const;
   // The row of the table; null when interrupted. Pictures go to `folder`.
   nlohmann::json measure(const Contender& contender, TruthStore& store, const std::filesystem::path& folder);
-  // Called by it with what is compared: the technique's mean and the path tracer's.
-  std::function<void(const Quantity&, const image::Image& test, const image::Image& truth)> on_means;
+  // What the screen shows; after the first measurement.
+  const reference::Buffers& buffers() const { return buffers_; }
+  // Called by it with what is compared, the technique and the path tracer, and the pixels that count.
+  std::function<void(const Quantity&, const image::Halves& test, const image::Halves& truth,
+                     const std::vector<uint8_t>& mask)>
+      on_means;
 
  private:
   // Errors of one quantity; null where there is no such light. `same` and `one`, a single frame, may be missing.
@@ -132,6 +137,25 @@ class Stage {
   std::set<std::string> common_passes_;  // of a frame without a technique
 };
 
+// A place for frames in sequence.
+class FrameStage {
+ public:
+  FrameStage(gpu::Device& device, const EvaluateOptions& options, const Place& place);
+  // Variance of gi after `frames` frames, as reconstructed, over its squared mean: of a pixel, of means of 4x4. null:
+  // interrupted.
+  nlohmann::json noise(const passes::FrameSettings& settings, uint32_t frames);
+  // The camera jumps here from `by` metres (right, up, back) and `degrees` to the left: shares of the surfaces in view
+  // without fed-back light, before and after push-pull; how far the light in the holes and elsewhere is from what the
+  // camera would have found here, over its mean.
+  nlohmann::json holes(const passes::FrameSettings& settings, const glm::vec3& by, float degrees);
+
+ private:
+  const EvaluateOptions& options_;
+  scene::Scene scene_;
+  passes::FrameView view_;
+  std::unique_ptr<passes::Renderer> renderer_;
+};
+
 // --- the papers' figures
 // A data file of scenes, variants and what is shown of each; `scenes` is the folder of the bundled ones.
 class Figures {
@@ -147,6 +171,9 @@ class Figures {
   std::string markdown(const EvaluateOptions& options, const std::string& pictures) const;
 
  private:
+  // The rows of a figure of frames, as its `kind` says; null: interrupted.
+  nlohmann::json frame_rows(gpu::Device& device, const EvaluateOptions& options, size_t figure,
+                            const std::function<void(const std::string&)>& notice);
   nlohmann::json spec_, results_ = nlohmann::json::array();
   std::vector<Place> places_;
   std::vector<std::vector<Contender>> contenders_;

@@ -155,7 +155,7 @@ json Stage::errors(const Measurement& of, const std::vector<uint8_t>& mask) cons
                bad.nan + bad.inf);
   const double average = mean_value(path_mean, mask);
   if (average == 0) return nullptr;
-  if (on_means) on_means(of.quantity, test_mean, path_mean);
+  if (on_means) on_means(of.quantity, of.test, of.path, mask);
   const image::Pair pair{test_mean, path_mean, mask};
   json row = {
       {"reference_mean", average},

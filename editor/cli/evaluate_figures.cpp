@@ -5,6 +5,7 @@
 #include "cli/evaluate.h"
 #include "cli/paper_spec.h"
 #include "image/file.h"
+#include "image/ring.h"
 
 namespace nf::editor {
 namespace {
@@ -19,6 +20,7 @@ std::string shown_value(const json& row, const std::string& what, uint32_t frame
   const json& quantities = row["quantities"];
   if (!quantities.contains(id)) return "–";
   const json& q = quantities[id];
+  if (rest == "share") return fmt::format("{:.1f} %", 100 * q["share"].get<double>());
   const double mean = q["reference_mean"];
   if (rest == "variance") {
     const double noise = q["noise"]["technique"];
@@ -60,13 +62,71 @@ image::Image8 strip(const std::vector<image::Image>& pictures) {
   return out;
 }
 
-constexpr const char* figure_parts[] = {"total", "estimator", "missing"};
+constexpr const char* figure_parts[] = {"total", "estimator", "missing", "ring"};
+
+// What a figure of frames shows, by its kind.
+bool of_frames(const json& figure) {
+  return figure.contains("kind");
+}
+std::vector<std::string> frame_columns(const json& figure) {
+  const std::string kind = figure["kind"];
+  if (kind == "noise") return {"pixel", "4x4"};
+  if (kind == "holes") return {"holes", "holes left", "rmse of holes", "rmse of others"};
+  fail(Exit::Input, "bad kind '{}' of '{}': noise or holes", kind, figure["id"].get<std::string>());
+}
+std::string frame_value(const json& row, const std::string& column) {
+  const json& value = row[column];
+  if (value.is_null()) return "–";
+  if (value.is_object()) {
+    const double rmse = value["rmse"], floor = value["floor"];
+    return fmt::format("{}{:.1f} %", rmse < floor ? "< " : "", 100 * std::max(rmse, floor));
+  }
+  const double x = value;
+  return column == "pixel" || column == "4x4" ? fmt::format("{:.3g}", x) : fmt::format("{:.1f} %", 100 * x);
+}
+
+// What a variant gave, and the truth.
+struct Means {
+  std::string label;
+  image::Halves ambient, gi, true_ambient, true_gi;
+  std::vector<uint8_t> mask;
+};
+
+// Light of the environment and one bounce as it leaves the surfaces; `gi` may be empty.
+image::Image outgoing(const image::Image& ambient, const image::Image& gi, const std::vector<glm::vec3>& albedo,
+                      double& bounced, const std::vector<uint8_t>& mask) {
+  image::Image out = ambient;
+  for (size_t i = 0; i < albedo.size() && !gi.pixels.empty(); ++i)
+    for (uint32_t c = 0; c < 3; ++c) {
+      const float light = albedo[i][int(c)] * gi.pixels[i * gi.channels + c];
+      out.pixels[i * out.channels + c] += light;
+      if (mask[i]) bounced += double(light);
+    }
+  return out;
+}
+
+// "indirect": the sum of what the technique makes of ambient light and of bounced light, against the path tracer's.
+json indirect_errors(const Means& of, const image::Halves& ambient, const image::Halves& true_gi,
+                     const std::vector<glm::vec3>& albedo) {
+  double bounced = 0, unused = 0;
+  const image::Halves test{outgoing(ambient.a, of.gi.a, albedo, bounced, of.mask),
+                           outgoing(ambient.b, of.gi.b, albedo, bounced, of.mask)},
+      truth{outgoing(of.true_ambient.a, true_gi.a, albedo, unused, of.mask),
+            outgoing(of.true_ambient.b, true_gi.b, albedo, unused, of.mask)};
+  const auto sum = [&](const image::Image& picture) { return image::bias({picture, picture, of.mask}).reference; };
+  const image::ErrorPart part = image::error_between(test, truth, of.mask);
+  const double pixels = double(std::count(of.mask.begin(), of.mask.end(), 1)) * 3 * 2;
+  return {{"reference_mean", sum(image::mean_of(truth))},
+          {"share", bounced / pixels / sum(image::mean_of(test))},
+          {"total", {{"rmse", part.rmse}, {"bias", part.bias}, {"floor", part.floor}}}};
+}
 
 void check_shown(const std::string& what, const std::string& where) {
   const std::string id = what.substr(0, what.find('.')), rest = what.substr(std::min(what.find('.') + 1, what.size()));
   bool good = false;
   for (const Quantity& q : quantities()) good |= id == q.id;
   bool known = rest == "variance" || rest == "flip" || rest == "relmse";
+  if (id == "indirect" && (rest == "share" || rest == "total.rmse" || rest == "total.bias")) return;
   for (const char* part : figure_parts)
     for (const char* measure : {"rmse", "bias"}) known |= rest == fmt::format("{}.{}", part, measure);
   if (!good || !known)
@@ -81,8 +141,11 @@ Figures::Figures(const fs::path& file, const fs::path& scenes) : spec_(read_spec
     expect_keys(spec_, file.filename().string(), {"schema", "figures", "not_made"});
     for (const json& figure : spec_.at("figures")) {
       const std::string where = "figures." + figure.at("id").get<std::string>();
-      expect_keys(figure, where,
-                  {"id", "title", "source", "scene", "view", "base", "variants", "show", "picture", "notes"});
+      expect_keys(
+          figure, where,
+          {"id", "title", "source", "scene", "view", "base", "variants", "show", "picture", "notes", "ring", "kind"});
+      if (of_frames(figure)) frame_columns(figure);
+      if (figure.contains("ring")) expect_keys(figure["ring"], where + ".ring", {"reach", "gap"});
       Place place{(scenes / figure.at("scene").get<std::string>()).string(), figure.value("view", ""), ""};
       if (place.view.ends_with(".json")) place.view = (scenes / place.view).string();
       place.label = where;
@@ -91,17 +154,18 @@ Figures::Figures(const fs::path& file, const fs::path& scenes) : spec_(read_spec
       places_.push_back(place);
       std::vector<Contender> contenders;
       for (const json& variant : figure.at("variants")) {
-        expect_keys(variant, where + ".variants", {"label", "technique", "mode", "params"});
+        expect_keys(variant, where + ".variants",
+                    {"label", "technique", "mode", "params", "ambient_of", "frames", "moved", "turned"});
         Contender c{.label = variant.at("label"), .mode = variant.value("mode", "radiometric")};
         json base = {{"material.lambert", true}};
         base.update(figure.value("base", json::object()));
         c.settings = spec_settings(variant, base);
-        c.settings.reconstruct = false;
+        c.settings.reconstruct = of_frames(figure);
         c.technique = c.settings.technique->id;
         contenders.push_back(std::move(c));
       }
       contenders_.push_back(std::move(contenders));
-      for (const json& what : figure.at("show")) check_shown(what, where);
+      for (const json& what : figure.value("show", json::array())) check_shown(what, where);
     }
   } catch (const json::exception& e) {
     fail(Exit::Input, "bad figures '{}': {}", file.string(), e.what());
@@ -120,12 +184,25 @@ bool Figures::run(gpu::Device& device, const EvaluateOptions& options, TruthStor
   size_t done = 0;
   for (size_t i = 0; i < places_.size(); ++i) {
     json figure = spec_["figures"][i];
+    if (of_frames(figure)) {
+      figure["rows"] = frame_rows(device, options, i, [&](const std::string& label) {
+        notice(done++, fmt::format("{}, {}", figure["id"].get<std::string>(), label));
+      });
+      if (figure["rows"].is_null()) return false;
+      results_.push_back(figure);
+      continue;
+    }
     const std::string id = figure["id"], pictured = figure.value("picture", "");
     // Light of many bounces is dear, and measured where it is shown.
     EvaluateOptions own = options;
     own.pictures = false;
     bool bounces = false;
-    for (const json& what : figure["show"]) bounces |= what.get<std::string>().starts_with("gi_n");
+    bool indirect = false;
+    for (const json& what : figure["show"]) {
+      bounces |= what.get<std::string>().starts_with("gi_n");
+      indirect |= what.get<std::string>().starts_with("indirect");
+    }
+    std::vector<Means> means;
     if (!bounces) own.bounces = 0;
     Stage stage(device, own, places_[i]);
     std::vector<image::Image> strips;
@@ -133,13 +210,45 @@ bool Figures::run(gpu::Device& device, const EvaluateOptions& options, TruthStor
     json rows = json::array();
     for (const Contender& contender : contenders_[i]) {
       notice(done++, fmt::format("{}, {}", id, contender.label));
-      stage.on_means = [&](const Quantity& q, const image::Image& test, const image::Image& path) {
+      json rings = json::object();
+      means.push_back({.label = contender.label});
+      stage.on_means = [&](const Quantity& q, const image::Halves& test, const image::Halves& path,
+                           const std::vector<uint8_t>& mask) {
+        if (figure.contains("ring")) {
+          std::vector<uint8_t> ring =
+              image::ring_behind(stage.buffers().depth, test.a.width, figure["ring"]["reach"], figure["ring"]["gap"]);
+          for (size_t p = 0; p < ring.size(); ++p) ring[p] &= mask[p];
+          const image::ErrorPart part = image::error_between(test, path, ring);
+          rings[q.id] = {{"rmse", part.rmse},
+                         {"bias", part.bias},
+                         {"floor", part.floor},
+                         {"pixels", std::count(ring.begin(), ring.end(), 1)}};
+        }
+        Means& kept = means.back();
+        if (indirect && q.id == std::string_view("ambient"))
+          kept.ambient = test, kept.true_ambient = path, kept.mask = mask;
+        if (indirect && q.id == std::string_view("gi_1")) kept.gi = test, kept.true_gi = path;
         if (q.id != pictured) return;
-        strips.push_back(test);
-        truth = path;
+        strips.push_back(image::mean_of(test));
+        truth = image::mean_of(path);
       };
       rows.push_back(stage.measure(contender, store, {}));
       if (!rows.back().is_object()) return false;
+      for (const auto& [quantity, part] : rings.items()) rows.back()["quantities"][quantity]["ring"] = part;
+    }
+    for (size_t n = 0; indirect && n < rows.size(); ++n) {
+      const std::string from = spec_["figures"][i]["variants"][n].value("ambient_of", means[n].label);
+      const image::Halves *ambient = nullptr, *true_gi = nullptr;
+      for (const Means& other : means) {
+        if (other.label == from) ambient = &other.ambient;
+        if (!other.true_gi.a.pixels.empty()) true_gi = &other.true_gi;
+      }
+      if (!ambient || !true_gi || means[n].ambient.a.pixels.empty())
+        fail(Exit::Input,
+             "'{}' shows indirect light: it needs ambient light in view, a variant that gives gi, and an "
+             "'ambient_of' that is a variant's label",
+             id);
+      rows[n]["quantities"]["indirect"] = indirect_errors(means[n], *ambient, *true_gi, stage.buffers().albedo);
     }
     if (!strips.empty()) {
       strips.push_back(truth);
@@ -151,6 +260,26 @@ bool Figures::run(gpu::Device& device, const EvaluateOptions& options, TruthStor
     results_.push_back(figure);
   }
   return true;
+}
+
+json Figures::frame_rows(gpu::Device& device, const EvaluateOptions& options, size_t figure,
+                         const std::function<void(const std::string&)>& notice) {
+  FrameStage stage(device, options, places_[figure]);
+  const json& spec = spec_["figures"][figure];
+  json rows = json::array();
+  for (size_t n = 0; n < contenders_[figure].size(); ++n) {
+    const Contender& contender = contenders_[figure][n];
+    const json& variant = spec["variants"][n];
+    notice(contender.label);
+    const std::vector<float> by = variant.value("moved", std::vector<float>{0, 0, 0});
+    json row = spec["kind"] == "noise"
+                   ? stage.noise(contender.settings, variant.value("frames", 1u))
+                   : stage.holes(contender.settings, {by.at(0), by.at(1), by.at(2)}, variant.value("turned", 0.0f));
+    if (row.is_null()) return nullptr;
+    row["contender"] = contender.label;
+    rows.push_back(row);
+  }
+  return rows;
 }
 
 json Figures::document() const {
@@ -173,11 +302,14 @@ std::string Figures::markdown(const EvaluateOptions& o, const std::string& pictu
                         figure["source"].get<std::string>(), figure["scene"].get<std::string>(),
                         figure.contains("view") ? ", " + figure["view"].get<std::string>() : "");
     std::vector<std::string> head = {"variant"};
-    for (const json& what : figure["show"]) head.push_back(what);
+    const std::vector<std::string> columns =
+        of_frames(figure) ? frame_columns(figure) : figure["show"].get<std::vector<std::string>>();
+    head.insert(head.end(), columns.begin(), columns.end());
     std::vector<std::vector<std::string>> rows;
     for (const json& row : figure["rows"]) {
       std::vector<std::string> cells = {row["contender"]};
-      for (const json& what : figure["show"]) cells.push_back(shown_value(row, what, frames_));
+      for (const std::string& what : columns)
+        cells.push_back(of_frames(figure) ? frame_value(row, what) : shown_value(row, what, frames_));
       rows.push_back(cells);
     }
     text += markdown_table(head, rows);
