@@ -136,6 +136,11 @@ TEST_F(CliEvaluateTest, Figures) {
      "variants": [{"label": "none", "technique": "none"},
                   {"label": "all", "technique": "ssao"},
                   {"label": "open", "technique": "ssao", "ambient_of": "none"}]},
+    {"id": "turned", "title": "Shading", "source": "nobody", "scene": "fence.glb", "view": "fence_map.json",
+     "turned": "fence_turned.json", "base": {"gi.radius": 1}, "show": ["shading.change", "shading.correlation"],
+     "variants": [{"label": "none", "technique": "none"},
+                  {"label": "static", "technique": "ssao"},
+                  {"label": "follows", "technique": "vbao"}]},
     {"id": "three", "title": "Noise", "source": "nobody", "scene": "cornell.glb", "kind": "noise",
      "variants": [{"label": "one", "technique": "hbil"},
                   {"label": "many", "technique": "hbil", "params": {"temporal.enabled": true}, "frames": 8}]},
@@ -179,20 +184,26 @@ TEST_F(CliEvaluateTest, Figures) {
   EXPECT_GT(sums(2)["total"]["bias"].get<double>(), sums(0)["total"]["bias"].get<double>());
   EXPECT_GT(sums(0)["total"]["bias"].get<double>(), sums(1)["total"]["bias"].get<double>());
 
-  const auto noise = [&](size_t row, const char* of) { return figures[2]["rows"][row][of].get<double>(); };
+  const auto shading = [&](size_t row) { return figures[2]["rows"][row]["quantities"]["shading"]; };
+  EXPECT_LT(shading(0)["change"].get<double>(), 0.01) << "without occlusion there is no shading";
+  EXPECT_LT(shading(1)["change"].get<double>(), 0.1) << "AO is the same under any light";
+  EXPECT_GT(shading(2)["change"].get<double>(), 0.3);
+  EXPECT_GT(shading(2)["correlation"].get<double>(), 0.3);
+
+  const auto noise = [&](size_t row, const char* of) { return figures[3]["rows"][row][of].get<double>(); };
   EXPECT_GT(noise(0, "pixel"), 2 * noise(0, "4x4"));
   EXPECT_GT(noise(0, "pixel"), 2 * noise(1, "pixel"));
 
-  const auto holes = [&](size_t row, const char* of) { return figures[3]["rows"][row][of].get<double>(); };
+  const auto holes = [&](size_t row, const char* of) { return figures[4]["rows"][row][of].get<double>(); };
   EXPECT_EQ(holes(0, "holes"), 0);
   EXPECT_GT(holes(1, "holes"), 0.005);
   EXPECT_GT(holes(2, "holes"), holes(1, "holes"));
   EXPECT_LT(holes(1, "holes"), 0.5);
   EXPECT_EQ(holes(1, "holes left"), 0);
-  const json& aside = figures[3]["rows"][2];
+  const json& aside = figures[4]["rows"][2];
   EXPECT_GT(aside["rmse of holes"]["rmse"], aside["rmse of holes"]["floor"]);
-  EXPECT_TRUE(figures[3]["rows"][0]["rmse of holes"].is_null()) << "there are none";
-  EXPECT_EQ(figures[3]["rows"][0]["rmse of others"]["rmse"].get<double>(), 0);
+  EXPECT_TRUE(figures[4]["rows"][0]["rmse of holes"].is_null()) << "there are none";
+  EXPECT_EQ(figures[4]["rows"][0]["rmse of others"]["rmse"].get<double>(), 0);
   const std::string page = bytes_of(folder / "good.md");
   EXPECT_NE(page.find(fmt::format("| thin | {:+.4f} |", bias(0))), std::string::npos) << page;
   EXPECT_NE(page.find("| – |"), std::string::npos) << "vbao has no light";

@@ -157,6 +157,13 @@ class FrameStage {
 };
 
 // --- the papers' figures
+// What a variant gave, and the truth.
+struct FigureMeans {
+  std::string label;
+  image::Halves ambient, gi, true_ambient, true_gi;
+  std::vector<uint8_t> mask;
+};
+
 // A data file of scenes, variants and what is shown of each; `scenes` is the folder of the bundled ones.
 class Figures {
  public:
@@ -171,6 +178,9 @@ class Figures {
   std::string markdown(const EvaluateOptions& options, const std::string& pictures) const;
 
  private:
+  // What of a row's ambient light follows the environment into the figure's `turned` view. False: interrupted.
+  bool add_shading(gpu::Device& device, const EvaluateOptions& options, TruthStore& store, size_t figure,
+                   const std::vector<FigureMeans>& means, nlohmann::json& rows);
   // The rows of a figure of frames, as its `kind` says; null: interrupted.
   nlohmann::json frame_rows(gpu::Device& device, const EvaluateOptions& options, size_t figure,
                             const std::function<void(const std::string&)>& notice);

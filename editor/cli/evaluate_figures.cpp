@@ -20,6 +20,7 @@ std::string shown_value(const json& row, const std::string& what, uint32_t frame
   const json& quantities = row["quantities"];
   if (!quantities.contains(id)) return "–";
   const json& q = quantities[id];
+  if (id == "shading") return q[rest].is_null() ? "–" : fmt::format("{:.2f}", q[rest].get<double>());
   if (rest == "share") return fmt::format("{:.1f} %", 100 * q["share"].get<double>());
   const double mean = q["reference_mean"];
   if (rest == "variance") {
@@ -85,13 +86,6 @@ std::string frame_value(const json& row, const std::string& column) {
   return column == "pixel" || column == "4x4" ? fmt::format("{:.3g}", x) : fmt::format("{:.1f} %", 100 * x);
 }
 
-// What a variant gave, and the truth.
-struct Means {
-  std::string label;
-  image::Halves ambient, gi, true_ambient, true_gi;
-  std::vector<uint8_t> mask;
-};
-
 // Light of the environment and one bounce as it leaves the surfaces; `gi` may be empty.
 image::Image outgoing(const image::Image& ambient, const image::Image& gi, const std::vector<glm::vec3>& albedo,
                       double& bounced, const std::vector<uint8_t>& mask) {
@@ -106,7 +100,7 @@ image::Image outgoing(const image::Image& ambient, const image::Image& gi, const
 }
 
 // "indirect": the sum of what the technique makes of ambient light and of bounced light, against the path tracer's.
-json indirect_errors(const Means& of, const image::Halves& ambient, const image::Halves& true_gi,
+json indirect_errors(const FigureMeans& of, const image::Halves& ambient, const image::Halves& true_gi,
                      const std::vector<glm::vec3>& albedo) {
   double bounced = 0, unused = 0;
   const image::Halves test{outgoing(ambient.a, of.gi.a, albedo, bounced, of.mask),
@@ -126,6 +120,7 @@ void check_shown(const std::string& what, const std::string& where) {
   bool good = false;
   for (const Quantity& q : quantities()) good |= id == q.id;
   bool known = rest == "variance" || rest == "flip" || rest == "relmse";
+  if (what == "shading.change" || what == "shading.correlation") return;
   if (id == "indirect" && (rest == "share" || rest == "total.rmse" || rest == "total.bias")) return;
   for (const char* part : figure_parts)
     for (const char* measure : {"rmse", "bias"}) known |= rest == fmt::format("{}.{}", part, measure);
@@ -141,9 +136,9 @@ Figures::Figures(const fs::path& file, const fs::path& scenes) : spec_(read_spec
     expect_keys(spec_, file.filename().string(), {"schema", "figures", "not_made"});
     for (const json& figure : spec_.at("figures")) {
       const std::string where = "figures." + figure.at("id").get<std::string>();
-      expect_keys(
-          figure, where,
-          {"id", "title", "source", "scene", "view", "base", "variants", "show", "picture", "notes", "ring", "kind"});
+      expect_keys(figure, where,
+                  {"id", "title", "source", "scene", "view", "base", "variants", "show", "picture", "notes", "ring",
+                   "turned", "kind"});
       if (of_frames(figure)) frame_columns(figure);
       if (figure.contains("ring")) expect_keys(figure["ring"], where + ".ring", {"reach", "gap"});
       Place place{(scenes / figure.at("scene").get<std::string>()).string(), figure.value("view", ""), ""};
@@ -202,7 +197,8 @@ bool Figures::run(gpu::Device& device, const EvaluateOptions& options, TruthStor
       bounces |= what.get<std::string>().starts_with("gi_n");
       indirect |= what.get<std::string>().starts_with("indirect");
     }
-    std::vector<Means> means;
+    const bool turned = figure.contains("turned");
+    std::vector<FigureMeans> means;
     if (!bounces) own.bounces = 0;
     Stage stage(device, own, places_[i]);
     std::vector<image::Image> strips;
@@ -224,8 +220,8 @@ bool Figures::run(gpu::Device& device, const EvaluateOptions& options, TruthStor
                          {"floor", part.floor},
                          {"pixels", std::count(ring.begin(), ring.end(), 1)}};
         }
-        Means& kept = means.back();
-        if (indirect && q.id == std::string_view("ambient"))
+        FigureMeans& kept = means.back();
+        if ((indirect || turned) && q.id == std::string_view("ambient"))
           kept.ambient = test, kept.true_ambient = path, kept.mask = mask;
         if (indirect && q.id == std::string_view("gi_1")) kept.gi = test, kept.true_gi = path;
         if (q.id != pictured) return;
@@ -239,7 +235,7 @@ bool Figures::run(gpu::Device& device, const EvaluateOptions& options, TruthStor
     for (size_t n = 0; indirect && n < rows.size(); ++n) {
       const std::string from = spec_["figures"][i]["variants"][n].value("ambient_of", means[n].label);
       const image::Halves *ambient = nullptr, *true_gi = nullptr;
-      for (const Means& other : means) {
+      for (const FigureMeans& other : means) {
         if (other.label == from) ambient = &other.ambient;
         if (!other.true_gi.a.pixels.empty()) true_gi = &other.true_gi;
       }
@@ -250,6 +246,7 @@ bool Figures::run(gpu::Device& device, const EvaluateOptions& options, TruthStor
              id);
       rows[n]["quantities"]["indirect"] = indirect_errors(means[n], *ambient, *true_gi, stage.buffers().albedo);
     }
+    if (turned && !add_shading(device, own, store, i, means, rows)) return false;
     if (!strips.empty()) {
       strips.push_back(truth);
       const std::string name = id + ".png";
@@ -258,6 +255,52 @@ bool Figures::run(gpu::Device& device, const EvaluateOptions& options, TruthStor
     }
     figure["rows"] = rows;
     results_.push_back(figure);
+  }
+  return true;
+}
+
+// How a technique shades is what it makes of ambient light over what `none` does. `change`: how much of that changes
+// with the environment, root mean square, over the truth's; `correlation`: of both changes. Products are of different
+// halves, so noise has no part in their means.
+bool Figures::add_shading(gpu::Device& device, const EvaluateOptions& options, TruthStore& store, size_t figure,
+                          const std::vector<FigureMeans>& means, json& rows) {
+  Place place = places_[figure];
+  const std::string view = spec_["figures"][figure]["turned"];
+  place.view = view.ends_with(".json") ? (fs::path(place.scene).parent_path() / view).string() : view;
+  Stage stage(device, options, place);
+  std::vector<FigureMeans> others;
+  for (const Contender& contender : contenders_[figure]) {
+    others.push_back({.label = contender.label});
+    stage.on_means = [&](const Quantity& q, const image::Halves& test, const image::Halves& path,
+                         const std::vector<uint8_t>&) {
+      if (q.id == std::string_view("ambient")) others.back().ambient = test, others.back().true_ambient = path;
+    };
+    if (!stage.measure(contender, store, {}).is_object()) return false;
+  }
+  size_t open = 0;
+  while (open < means.size() && contenders_[figure][open].technique != "none") ++open;
+  if (open == means.size() || means[open].ambient.a.pixels.empty() || others[open].ambient.a.pixels.empty())
+    fail(Exit::Input, "'{}' shows shading: it needs a variant of the technique none, and ambient light in both views",
+         place.label);
+  const image::Image before = image::mean_of(means[open].ambient), after = image::mean_of(others[open].ambient);
+  for (size_t n = 0; n < rows.size(); ++n) {
+    double test = 0, truth = 0, both = 0;
+    const auto change = [&](const image::Image& b, const image::Image& a, size_t p) {
+      return double(b.pixels[p]) / double(after.pixels[p]) - double(a.pixels[p]) / double(before.pixels[p]);
+    };
+    for (size_t p = 0; p < before.pixels.size(); ++p) {
+      if (!means[n].mask[p / before.channels] || p % before.channels > 2) continue;
+      if (before.pixels[p] <= 0 || after.pixels[p] <= 0) continue;
+      const double ta = change(others[n].ambient.a, means[n].ambient.a, p),
+                   tb = change(others[n].ambient.b, means[n].ambient.b, p),
+                   pa = change(others[n].true_ambient.a, means[n].true_ambient.a, p),
+                   pb = change(others[n].true_ambient.b, means[n].true_ambient.b, p);
+      test += ta * tb, truth += pa * pb, both += (ta * pb + tb * pa) / 2;
+    }
+    // Without a change there is nothing to correlate.
+    const double size = truth > 0 && test > 0 ? std::sqrt(test / truth) : 0;
+    rows[n]["quantities"]["shading"] = {{"change", size},
+                                        {"correlation", size > 1e-3 ? json(both / std::sqrt(test * truth)) : json()}};
   }
   return true;
 }
