@@ -51,6 +51,7 @@ json make_state(Editor& e, bool idle) {
           {"layer", e.viewport.layer},
           {"picture_size", {e.picture.size.x, e.picture.size.y}},
           {"picture_hash", e.picture_hash},
+          {"picture_kind", e.picture.floats.empty() ? "bytes" : "floats"},
           {"camera",
            {{"position", {camera.position.x, camera.position.y, camera.position.z}},
             {"forward", {camera.forward.x, camera.forward.y, camera.forward.z}}}},

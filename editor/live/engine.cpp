@@ -170,7 +170,7 @@ Published Engine::frame(const Wanted& wanted) {
   if (outputs.loop_energy) built.readback("readback.loop_energy", outputs.loop_energy);
   if (outputs.clamped_energy) built.readback("readback.clamped_energy", outputs.clamped_energy);
   if (outputs.nan_scan.found) built.readback("readback.nan_scan", outputs.nan_scan.found);
-  built.readback("readback.picture", renderer->add_picture(built, outputs, wanted.settings));
+  if (!layer_texels) built.readback("readback.picture", renderer->add_picture(built, outputs, wanted.settings));
   describe_graph(built, out);
   std::vector<const passes::Aov*> asked;
   for (const std::string& name : wanted.layers)
