@@ -14,6 +14,7 @@
 #include "core/log.h"
 #include "incoming.h"
 #include "layout.h"
+#include "live/handover.h"
 #include "live/worker.h"
 #include "panels/panels.h"
 #include "refine.h"
@@ -85,8 +86,12 @@ class App {
  private:
   void open();
   void load_fonts();
+  void open_device();
+  void reopen(const std::string& why);
   void frame();
-  void take_events();
+  void step();
+  std::string take_events();
+  void take();
   void open_file(const std::string& path);
   void ask();
   void serve();
@@ -98,8 +103,10 @@ class App {
   Editor e_;
   ui::InputQueue input_;
   std::shared_ptr<LogLines> log_ = std::make_shared<LogLines>();
-  std::unique_ptr<Window> window_;
+  gpu::DeviceOptions device_options_;
   std::unique_ptr<gpu::Device> device_;
+  std::unique_ptr<live::Handover> handover_;  // when the renderer is the second user of device_
+  std::unique_ptr<Window> window_;
   std::unique_ptr<ui::Renderer> pictures_;
   std::unique_ptr<live::Worker> worker_;
   std::unique_ptr<ui::Script> script_;
@@ -110,6 +117,7 @@ class App {
   std::string screenshot_, state_text_, title_;
   glm::ivec4 screenshot_part_{0};
   double kept_at_ = 0;
+  uint64_t messages_ = 0;  // of devices that are gone
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   bool font_ready_ = false;
 };
@@ -138,10 +146,11 @@ void App::open() {
                                        [this] { e_.quit = true; }});
   // A script's two clicks are a double click however slow the frames are.
   if (script_) io.MouseDoubleClickTime = 1.5f;
-  gpu::DeviceOptions device = device_options(o_);
+  device_options_ = device_options(o_);
+  device_options_.second_queue = o_.sharing != "separate";
   if (!o_.offscreen) {
     window_ = std::make_unique<Window>(size, "Nearfield", input_);
-    device.window_extensions = window_->extensions();
+    device_options_.window_extensions = window_->extensions();
     e_.display_scale = window_->scale();
     io.SetClipboardTextFn = [](void* user, const char* text) { static_cast<Window*>(user)->set_clipboard(text); };
     io.GetClipboardTextFn = [](void* user) {
@@ -151,8 +160,9 @@ void App::open() {
     };
     io.ClipboardUserData = window_.get();
   }
-  // The scene's device is opened by its own thread, at the same time.
-  worker_ = std::make_unique<live::Worker>(live::WorkerOptions{device_options(o_), executor_options(o_)});
+  open_device();
+  worker_ =
+      std::make_unique<live::Worker>(live::WorkerOptions{device_options(o_), executor_options(o_), handover_.get()});
   const fs::path content = content_folder();
   if (!content.empty()) {
     e_.bundled_scene = (content / "atrium.glb").string();
@@ -171,7 +181,6 @@ void App::open() {
   if (!fs::exists(scene)) fail(Exit::Input, "cannot open the scene '{}': no such file", scene);
   worker_->send({live::CommandKind::LoadScene, scene, o_.view.empty() && !lit ? view_beside(scene) : o_.view, lit});
 
-  device_ = std::make_unique<gpu::Device>(device);
   pictures_ = std::make_unique<ui::Renderer>(*device_);
   if (window_) window_->attach(*device_);
   e_.pictures = pictures_.get();
@@ -180,6 +189,41 @@ void App::open() {
   if (const std::string problem = load_settings(e_, o_.reset_settings); !problem.empty()) toast(e_, problem, true);
   if (o_.ui_scale > 0) e_.preferences.ui_scale = o_.ui_scale;
   sent_ = e_.document;
+}
+
+void App::open_device() {
+  device_ = std::make_unique<gpu::Device>(device_options_);
+  const bool shared = o_.sharing == "shared" || (o_.sharing == "auto" && !device_->facts.software);
+  if (shared) handover_ = std::make_unique<live::Handover>(*device_);
+  e_.shared_queues = shared ? device_->queues : 0;
+}
+
+// The window's device is lost, or the one that it shares. Another takes its place with all that is kept in host memory;
+// the renderer waits for Restart, as always.
+void App::reopen(const std::string& why) {
+  const bool shared = handover_ != nullptr;
+  if (shared) {
+    worker_->release();
+    take_events();
+    if (!e_.device_lost) {
+      live::Event event{.kind = live::EventKind::DeviceLost, .text = why};
+      take_event(e_, event);
+    }
+  }
+  if (e_.picture.image) e_.picture.image = nullptr, e_.hashed_frame = 0;
+  if (window_) window_->detach();
+  handover_.reset();
+  messages_ += device_->take_messages().size();
+  const std::unique_ptr<gpu::Device> old_device = std::move(device_);
+  const std::unique_ptr<ui::Renderer> old_pictures = std::move(pictures_);
+  open_device();
+  pictures_ = std::make_unique<ui::Renderer>(*device_);
+  pictures_->adopt(*old_pictures);
+  e_.pictures = pictures_.get();
+  if (window_) window_->attach(*device_);
+  if (handover_) worker_->lend(*handover_);
+  shown_ = {};
+  font_ready_ = false;
 }
 
 void App::load_fonts() {
@@ -199,15 +243,23 @@ void App::load_fonts() {
   e_.rebuild_fonts = false;
 }
 
-void App::take_events() {
+// What was said of a device that was lost.
+std::string App::take_events() {
+  std::string lost;
+  for (live::Event& event : worker_->take_events()) {
+    if (event.kind == live::EventKind::DeviceLost) lost = event.text;
+    if (event.copy && refiner_) refiner_->take_scene(e_, std::move(event.copy));
+    take_event(e_, event);
+  }
+  return lost;
+}
+
+void App::take() {
   for (std::string& line : log_->take()) {
     e_.log.push_back(std::move(line));
     if (e_.log.size() > 5000) e_.log.pop_front();
   }
-  for (live::Event& event : worker_->take_events()) {
-    if (event.copy && refiner_) refiner_->take_scene(e_, std::move(event.copy));
-    take_event(e_, event);
-  }
+  if (const std::string lost = take_events(); !lost.empty() && handover_) reopen(lost);
   if (std::optional<live::Published> frame = worker_->take()) {
     if (refiner_ && !frame->layers.empty()) refiner_->take_layers(e_, *frame);
     take_frame(e_, std::move(*frame));
@@ -314,10 +366,11 @@ void App::open_file(const std::string& path) {
 // What the panels and actions asked for and only this can do.
 void App::serve() {
   for (const std::string& path : std::exchange(e_.dropped, {})) open_file(path);
-  if (std::exchange(e_.keep_a, false) && !e_.picture.rgba.empty()) {
-    pictures_->set_picture(ui::PictureId::SlotA, e_.picture.size, std::span<const uint8_t>(e_.picture.rgba));
-    toast(e_, "kept as A");
-  }
+  if (std::exchange(e_.keep_a, false))
+    if (const std::vector<uint8_t> texels = pictures_->texels(ui::PictureId::Scene); !texels.empty()) {
+      pictures_->set_picture(ui::PictureId::SlotA, e_.picture.size, std::span(texels));
+      toast(e_, "kept as A");
+    }
   if (!screenshot_.empty()) write_window(std::exchange(screenshot_, {}), e_, shown_, screenshot_part_);
   write_captures(e_, shown_, o_.validation);
   if (std::exchange(e_.fullscreen_asked, false) && window_) window_->toggle_fullscreen();
@@ -357,7 +410,7 @@ void App::on_input(const ui::InputEvent& event) {
 void App::frame() {
   const double started = clock(), before = e_.now;
   e_.now = started;
-  take_events();
+  take();
   if (!input_.empty()) e_.last_input = e_.now;
   input_.feed([this](const ui::InputEvent& event) { on_input(event); });
   if (!font_ready_ || e_.rebuild_fonts) load_fonts();
@@ -408,34 +461,44 @@ void App::pace(double started) {
     std::this_thread::sleep_for(std::chrono::duration<double>(left));
 }
 
+// A frame, and what a script and a state file make of it.
+void App::step() {
+  frame();
+  if (!script_ && o_.ui_state.empty()) return;
+  json state = make_state(e_, worker_->idle() && e_.settled >= e_.wanted.settle);
+  if (!o_.ui_state.empty()) {
+    const std::string text = state.dump(1) + "\n";
+    if (text != state_text_) write_atomically(o_.ui_state, state_text_ = text);
+  }
+  state["seconds"] = clock();
+  if (script_ && script_->step(clock(), state, input_)) {
+    if (!script_->failure().empty() || input_.empty()) e_.quit = true;
+  }
+  serve();
+}
+
 int App::run() {
   open();
-  uint64_t messages = 0;
-  while (!e_.quit && !interrupted()) {
+  for (int lost_in_a_row = 0; !e_.quit && !interrupted();) {
     const double started = clock();
-    frame();
-    if (script_ || !o_.ui_state.empty()) {
-      json state = make_state(e_, worker_->idle() && e_.settled >= e_.wanted.settle);
-      if (!o_.ui_state.empty()) {
-        const std::string text = state.dump(1) + "\n";
-        if (text != state_text_) write_atomically(o_.ui_state, state_text_ = text);
-      }
-      state["seconds"] = clock();
-      if (script_ && script_->step(clock(), state, input_)) {
-        if (!script_->failure().empty()) break;
-        if (input_.empty()) e_.quit = true;
-      }
-      serve();
+    try {
+      step();
+      lost_in_a_row = 0;
+    } catch (const Error& error) {
+      if (error.exit() != Exit::Gpu || ++lost_in_a_row > 3) throw;
+      log::error("{}", error.what());
+      reopen(error.what());
     }
     pace(started);
   }
   if (const std::string problem = save_settings(e_); !problem.empty()) log::warn("{}", problem);
-  messages = worker_->messages() + device_->take_messages().size();
+  uint64_t messages = messages_ + worker_->messages();
   refiner_.reset();
   worker_.reset();
-  messages += device_->take_messages().size();
   window_.reset();
   pictures_.reset();
+  handover_.reset();
+  messages += device_->take_messages().size();
   ImGui::DestroyContext();
   std::erase(spdlog::default_logger()->sinks(), std::shared_ptr<spdlog::sinks::sink>(log_));
   if (script_ && !script_->failure().empty()) fail(Exit::CheckFailed, "{}", script_->failure());

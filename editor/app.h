@@ -12,6 +12,7 @@ struct EditOptions : CommonOptions {
   std::string window = "1440x900";
   float ui_scale = 0;  // 0: as kept
   bool reset_settings = false, offscreen = false;
+  std::string sharing = "auto";  // of the device: auto, shared, separate
 };
 
 // Until the user quits; the exit code. Throws nf::Error as commands do.

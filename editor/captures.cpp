@@ -113,10 +113,10 @@ void write_captures(Editor& e, std::span<const std::byte> window_texels, bool va
       const std::string path = new_file(fmt::format("{}-{}.png", window ? "window" : "picture", file_time()));
       if (window)
         write_window(path, e, window_texels, {0, 0, int(e.window.x), int(e.window.y)});
-      else if (e.picture.rgba.empty())
+      else if (!e.picture.floats.empty())
         save_pixels(path, e.picture, e.viewport.look);
       else
-        image::write_png(path, opaque(e.picture.size, e.picture.rgba));
+        image::write_png(path, opaque(e.picture.size, e.pictures->texels(ui::PictureId::Scene)));
       write_preset(fs::path(path).replace_extension(".json"), make_preset(e));
       toast(e, "written: " + path);
     }

@@ -168,6 +168,8 @@ struct Editor {
   uint32_t settled = 0;
   double scene_time = 0;
   float scene_ms = 0, ui_ms = 0;
+  uint64_t host_bytes = 0;     // that the last frame copied to the host
+  uint32_t shared_queues = 0;  // of the device that window and renderer share; 0: each has its own
   // The interface's own frames: what they cost, and from one to the next, in milliseconds.
   std::deque<float> ui_history, ui_periods;
 
@@ -191,7 +193,7 @@ struct Editor {
   std::string carried;           // the panel that was pulled out and is not let go of yet
   std::optional<live::ProbeWanted> texture_asked;
   bool capture_asked = false, save_layers = false, copy_command = false, fullscreen_asked = false;
-  uint64_t picture_hash = 0;
+  uint64_t picture_hash = 0, hashed_frame = 0;  // made when a script or a state file wants it
   bool rebuild_fonts = false, screenshot_viewport = false, screenshot_window = false;
   double now = 0, last_change = -10, last_input = 0, green_flash = -10;
   std::string flash_text;

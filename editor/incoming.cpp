@@ -1,6 +1,5 @@
 #include "incoming.h"
 
-#include "core/fingerprint.h"
 #include "core/log.h"
 #include "settings.h"
 
@@ -123,11 +122,10 @@ void take_frame(Editor& e, live::Published&& frame) {
     for (const std::string& image : frame.not_finite) log::warn("{}", image);
   e.not_finite = std::move(frame.not_finite);
   e.picture = std::move(frame.picture);
-  Fingerprint hash;
-  hash.add(e.picture.rgba);
-  hash.add(e.picture.floats);
-  e.picture_hash = hash.value();
-  if (!e.picture.rgba.empty())
+  e.host_bytes = frame.host_bytes;
+  if (e.picture.image)
+    e.pictures->set_picture(ui::PictureId::Scene, *e.picture.image);
+  else if (!e.picture.rgba.empty())
     e.pictures->set_picture(ui::PictureId::Scene, e.picture.size, std::span<const uint8_t>(e.picture.rgba));
   else
     e.pictures->set_picture(ui::PictureId::Scene, e.picture.size, std::span<const float>(e.picture.floats));

@@ -186,13 +186,13 @@ void draw_status(Editor& editor, float y, float height) {
   const glm::vec2 c = editor.viewport.cursor;
   if (c.x >= 0 && editor.picture.size.x > 0) {
     const glm::uvec2 p = glm::min(glm::uvec2(c * glm::vec2(editor.picture.size)), editor.picture.size - 1u);
-    const size_t at = size_t(p.y) * editor.picture.size.x + p.x;
     if (!editor.picture.floats.empty()) {
-      const float* v = &editor.picture.floats[at * 4];
+      const float* v = &editor.picture.floats[(size_t(p.y) * editor.picture.size.x + p.x) * 4];
       ImGui::Text("%u, %u  %.4g %.4g %.4g  |", p.x, p.y, double(v[0]), double(v[1]), double(v[2]));
+    } else if (const std::optional<glm::u8vec4> v = editor.pictures->texel(ui::PictureId::Scene, p)) {
+      ImGui::Text("%u, %u  rgb %u %u %u  |", p.x, p.y, v->x, v->y, v->z);
     } else {
-      const uint8_t* v = &editor.picture.rgba[at * 4];
-      ImGui::Text("%u, %u  rgb %u %u %u  |", p.x, p.y, v[0], v[1], v[2]);
+      ImGui::Text("%u, %u  |", p.x, p.y);
     }
     ImGui::SameLine();
   }

@@ -20,9 +20,19 @@ json percentiles(const std::deque<float>& ms) {
   return {{"count", s.count}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}};
 }
 
+void hash_picture(Editor& e) {
+  if (e.hashed_frame == e.scene_frames) return;
+  Fingerprint hash;
+  hash.add(e.picture.image ? e.pictures->texels(ui::PictureId::Scene) : e.picture.rgba);
+  hash.add(e.picture.floats);
+  e.picture_hash = hash.value();
+  e.hashed_frame = e.scene_frames;
+}
+
 }  // namespace
 
 json make_state(Editor& e, bool idle) {
+  hash_picture(e);
   json widgets = json::object();
   for (const auto& [id, w] : ui::widgets())
     widgets[id] = {
@@ -51,7 +61,11 @@ json make_state(Editor& e, bool idle) {
           {"layer", e.viewport.layer},
           {"picture_size", {e.picture.size.x, e.picture.size.y}},
           {"picture_hash", e.picture_hash},
-          {"picture_kind", e.picture.floats.empty() ? "bytes" : "floats"},
+          {"picture_kind", e.picture.image            ? "image"
+                           : e.picture.floats.empty() ? "bytes"
+                                                      : "floats"},
+          {"host_bytes", e.host_bytes},
+          {"shared_queues", e.shared_queues},
           {"camera",
            {{"position", {camera.position.x, camera.position.y, camera.position.z}},
             {"forward", {camera.forward.x, camera.forward.y, camera.forward.z}}}},

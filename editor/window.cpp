@@ -95,6 +95,10 @@ void Window::attach(gpu::Device& device) {
   swapchain_ = std::make_unique<gpu::Swapchain>(device, surface);
 }
 
+void Window::detach() {
+  swapchain_.reset();
+}
+
 void Window::present(glm::uvec2 size, std::span<const std::byte> rgba) {
   swapchain_->present({size.x, size.y}, rgba);
 }

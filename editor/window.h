@@ -29,6 +29,8 @@ class Window {
   // For DeviceOptions, before attach().
   std::vector<std::string> extensions() const;
   void attach(gpu::Device& device);
+  // Before that device goes.
+  void detach();
   void present(glm::uvec2 size, std::span<const std::byte> rgba);
   // Events that are there, or those that come within `seconds`.
   void poll(double seconds);

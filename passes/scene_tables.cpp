@@ -88,7 +88,7 @@ SceneTables::SceneTables(gpu::Device& device, const scene::Scene& scene)
 }
 
 SceneTables::~SceneTables() {
-  vkDeviceWaitIdle(device_.handle);
+  device_.wait_idle();
   for (gpu::Buffer& stream : streams_) destroy(device_, stream);
   for (gpu::Buffer* buffer : {&indices_, &materials_, &reflectance_}) destroy(device_, *buffer);
   instances_.destroy(device_);

@@ -1,6 +1,6 @@
 // Pictures in the user interface, which lie in a buffer: shown as they are, by channel and range, in false colours, or as
-// the difference of two. KIND: 1 bytes, 2 floats, 3 a difference. A software device runs every side of a branch, so that
-// what decides is known when this is compiled.
+// the difference of two. KIND: 1 bytes, 2 floats, 3 a difference. With IMAGE the (first) picture is an image on the device.
+// A software device runs every side of a branch, so that what decides is known when this is compiled.
 #version 460
 #include "common/color.glsl"
 
@@ -15,7 +15,12 @@ struct UiDraw {
   float low, high;
 };
 layout(scalar) readonly buffer draw_table { UiDraw rows[]; } draws;
+#if !IMAGE || KIND == 3
 layout(scalar) readonly buffer texel_table { uint words[]; } texels;
+#endif
+#if IMAGE
+uniform texture2D shown;
+#endif
 
 layout(location = 0) in vec2 uv;
 layout(location = 2) flat in uint draw;
@@ -24,6 +29,10 @@ layout(location = 0) out vec4 pictures;
 vec4 texel(UiDraw d, bool other, ivec2 p) {
   uvec2 size = other ? d.second_size : d.size;
   p = clamp(p, ivec2(0), ivec2(size) - 1);
+#if IMAGE
+  if (!other) return texelFetch(shown, p, 0);
+#endif
+#if !IMAGE || KIND == 3
   uint at = uint(p.y) * size.x + uint(p.x);
   uint first = other ? d.second : d.first;
 #if KIND == 1
@@ -33,6 +42,9 @@ vec4 texel(UiDraw d, bool other, ivec2 p) {
 #endif
   at = first + at * 4u;
   return uintBitsToFloat(uvec4(texels.words[at], texels.words[at + 1u], texels.words[at + 2u], texels.words[at + 3u]));
+#else
+  return vec4(0.0);
+#endif
 }
 
 vec4 lookup(UiDraw d, bool other) {

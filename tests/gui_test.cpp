@@ -33,10 +33,12 @@ class GuiTest : public CliTest {
   std::string config() const { return (base_ / "config").string(); }
 };
 
-#define PLAYS(outcome)                       \
-  do {                                       \
-    const Outcome played = (outcome);        \
-    EXPECT_EQ(played.code, 0) << played.err; \
+// What is left when a device goes is told too late for the exit code.
+#define PLAYS(outcome)                                                          \
+  do {                                                                          \
+    const Outcome played = (outcome);                                           \
+    EXPECT_EQ(played.code, 0) << played.err;                                    \
+    EXPECT_EQ(played.err.find("validation:"), std::string::npos) << played.err; \
   } while (false)
 
 TEST_F(GuiTest, SwapsThroughAllTechniques) {
@@ -53,6 +55,40 @@ TEST_F(GuiTest, EveryPanelShowsSomething) {
 }
 TEST_F(GuiTest, SurvivesSizesScalesAndALostDevice) {
   PLAYS(play(replaced(script_text("window.jsonl"), "FENCE", NF_BINARY_DIR "/content/fence.glb")));
+}
+
+// Window and renderer on one device, which software devices only have when they are told to.
+TEST_F(GuiTest, OneDeviceServesBoth) {
+  const std::string shared =
+      "{\"wait\": \"scene_frames >= 1\"}\n"
+      "{\"expect\": \"shared_queues >= 1 && picture_kind == image && host_bytes == 0\"}\n";
+  const Words words = {"--device-sharing", "shared"};
+  PLAYS(play(shared + script_text("swap.jsonl"), words));
+  PLAYS(play(shared + script_text("compare.jsonl"), words));
+  PLAYS(play(shared + replaced(script_text("window.jsonl"), "FENCE", NF_BINARY_DIR "/content/fence.glb") +
+                 "{\"expect\": \"shared_queues >= 1 && picture_kind == image\"}\n",
+             words));
+}
+
+// Bit by bit: the picture, the one compared with, the wipe and the difference of the two.
+TEST_F(GuiTest, AHandedOverPictureIsShownAsACopiedOne) {
+  for (const char* form : {"separate", "shared"}) {
+    std::filesystem::create_directories(config() + "/nearfield");
+    std::ofstream(config() + "/nearfield/editor.json")
+        << R"({"schema": "nearfield.editor/1", "preferences": {"settle": 4, "moving_scale": 1}})";
+    const std::string kind = std::string(form) == "shared" ? "image" : "bytes";
+    const Outcome played = play(replaced(replaced(script_text("sharing.jsonl"), "KIND", kind), "SHOT", out(form)),
+                                {"--device-sharing", form}, {}, "720x480");
+    ASSERT_EQ(played.code, 0) << form << ": " << played.err;
+  }
+  std::set<std::string> different;
+  for (const char* shot : {"-picture.png", "-other.png", "-wipe.png", "-difference.png"}) {
+    const std::string copied = bytes_of(out("separate" + std::string(shot)));
+    EXPECT_FALSE(copied.empty());
+    EXPECT_TRUE(copied == bytes_of(out("shared" + std::string(shot)))) << shot;
+    different.insert(copied);
+  }
+  EXPECT_EQ(different.size(), 4u) << "the control: the four are not the same picture";
 }
 
 TEST_F(GuiTest, ABrokenShaderIsShownAndThePictureGoesOn) {

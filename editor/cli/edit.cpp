@@ -22,6 +22,11 @@ Command add_edit(CLI::App& parent) {
   app->add_flag("--reset-settings", state->reset_settings, "Forget the kept settings and layout");
   app->add_flag("--offscreen", state->offscreen,
                 "No window: the interface is rendered all the same, for scripts and screenshots");
+  app->add_option("--device-sharing", state->sharing,
+                  "Whether window and renderer share a device: shared hands pictures over on it, separate copies them "
+                  "through host memory; auto shares all but software devices")
+      ->check(CLI::IsMember({"auto", "shared", "separate"}))
+      ->capture_default_str();
   add_render_flags(*app, *state);
   app->footer(
       "F1 in the window lists all keys.\n"

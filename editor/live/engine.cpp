@@ -77,12 +77,20 @@ std::string look_at(graph::Graph& built, const ProbeWanted& wanted) {
 }  // namespace
 
 void Engine::open(const WorkerOptions& options) {
-  renderer.reset();
-  device.reset();
-  device = std::make_unique<gpu::Device>(options.device);
+  close();
+  handover = options.handover;
+  device = handover ? std::make_unique<gpu::Device>(gpu::SecondUser{handover->owner})
+                    : std::make_unique<gpu::Device>(options.device);
   if (scene) renderer = std::make_unique<passes::Renderer>(*device, *scene, options.executor);
   lost = false;
   start_anew();
+}
+
+void Engine::close() {
+  renderer.reset();
+  device.reset();
+  handover = nullptr;
+  lost = true;
 }
 
 void Engine::start_anew() {
@@ -107,7 +115,7 @@ SceneInfo Engine::load(const Command& command, const WorkerOptions& options) {
   ++serial;
   lights = ~uint64_t{0};
   start_anew();
-  renderer = std::make_unique<passes::Renderer>(*device, *scene, options.executor);
+  if (device) renderer = std::make_unique<passes::Renderer>(*device, *scene, options.executor);
   SceneInfo info = describe(*scene);
   info.serial = serial;
   info.start = start;
@@ -120,7 +128,7 @@ SceneInfo Engine::load(const Command& command, const WorkerOptions& options) {
 SceneInfo Engine::surround(const std::string& path) {
   scene::Environment map = scene::load_environment_map(path);
   scene->environment = std::move(map);
-  renderer->update_environment();
+  if (renderer) renderer->update_environment();
   revision = history = ~uint64_t{0};
   SceneInfo info = describe(*scene);
   info.own_environment = false;
@@ -147,7 +155,7 @@ void Engine::move(const Wanted& wanted, bool anew) {
 }
 
 Published Engine::frame(const Wanted& wanted) {
-  if (std::exchange(lose_next, false)) fail(Exit::Gpu, "the GPU was lost: a test asked for it");
+  if (std::exchange(lose_next, false)) device->pretend_lost();
   const bool anew = wanted.history != history || view.size != wanted.size || view.seed != wanted.seed;
   if (wanted.revision != revision) settled = 0;
   revision = wanted.revision;
@@ -170,7 +178,17 @@ Published Engine::frame(const Wanted& wanted) {
   if (outputs.loop_energy) built.readback("readback.loop_energy", outputs.loop_energy);
   if (outputs.clamped_energy) built.readback("readback.clamped_energy", outputs.clamped_energy);
   if (outputs.nan_scan.found) built.readback("readback.nan_scan", outputs.nan_scan.found);
-  if (!layer_texels) built.readback("readback.picture", renderer->add_picture(built, outputs, wanted.settings));
+  const graph::Tex picture = layer_texels ? graph::Tex{} : renderer->add_picture(built, outputs, wanted.settings);
+  if (picture && handover) {
+    const graph::Size size = built.desc(picture).size;
+    const gpu::LentImage& lent = handover->write({size.width, size.height});
+    built.hand_over("hand_over.picture", picture, lent.image);
+    out.picture = {.size = view.size, .image = &lent};
+  } else if (picture) {
+    built.readback("readback.picture", picture);
+  }
+  if (layer && picture)
+    out.picture.note = fmt::format("{} gives no layer '{}'", wanted.settings.technique->id, layer->name);
   describe_graph(built, out);
   std::vector<const passes::Aov*> asked;
   for (const std::string& name : wanted.layers)
@@ -193,7 +211,7 @@ Published Engine::frame(const Wanted& wanted) {
     if (outputs.inspection.records) built.readback("readback.inspection", outputs.inspection.records);
   }
 
-  renderer->executor().run(built);
+  renderer->executor().run(built, {.then = out.picture.image ? out.picture.image->written : gpu::TimelinePoint{}});
   const graph::FrameResult result = renderer->executor().finish();
   view.previous_camera = view.camera;
   ++view.frame_index;
@@ -234,6 +252,7 @@ void Engine::collect(const Wanted& wanted, const passes::FrameOutputs& outputs,
   std::vector<image::Layer> layers;
   for (const graph::Readback& readback : renderer->executor().take_readbacks()) {
     const std::string_view name = readback.name;
+    out.host_bytes += readback.texels.size();
     if (name == "readback.layer") {
       out.picture = to_pixels(to_layer(*layer, readback));
     } else if (name == "readback.pick") {
@@ -264,7 +283,6 @@ void Engine::collect(const Wanted& wanted, const passes::FrameOutputs& outputs,
       out.picture.size = view.size;
       out.picture.rgba.resize(readback.texels.size());
       std::memcpy(out.picture.rgba.data(), readback.texels.data(), readback.texels.size());
-      if (layer) out.picture.note = fmt::format("{} gives no layer '{}'", wanted.settings.technique->id, layer->name);
     }
   }
   pick = wanted.pick_serial;

@@ -9,6 +9,7 @@
 
 #include "frame.h"
 #include "gpu/reload.h"
+#include "live/handover.h"
 #include "live/published.h"
 #include "live/wanted.h"
 
@@ -17,10 +18,12 @@ namespace nf::editor::live {
 struct WorkerOptions {
   gpu::DeviceOptions device;
   graph::ExecutorOptions executor;
+  Handover* handover = nullptr;  // the window's device is the renderer's, too
 };
 
 struct Engine {
   std::unique_ptr<gpu::Device> device;
+  Handover* handover = nullptr;
   std::unique_ptr<scene::Scene> scene;
   std::unique_ptr<passes::Renderer> renderer;
   passes::FrameView view;
@@ -45,6 +48,8 @@ struct Engine {
 
   // A new device, and the scene on it if there is one.
   void open(const WorkerOptions& options);
+  // Nothing of the device is left, until it is opened again.
+  void close();
   // The next frame is one of a new picture, whatever was rendered before.
   void start_anew();
   SceneInfo load(const Command& command, const WorkerOptions& options);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gpu/memory.h"
 #include "gpu/reload.h"
 #include "live/wanted.h"
 
@@ -75,9 +76,10 @@ struct Picked {
 
 struct Pixels {
   glm::uvec2 size{0};
-  std::vector<uint8_t> rgba;  // a picture
-  std::vector<float> floats;  // or four floats a texel
-  uint32_t channels = 4;      // of the floats that mean something
+  std::vector<uint8_t> rgba;              // a picture
+  std::vector<float> floats;              // or four floats a texel
+  const gpu::LentImage* image = nullptr;  // or a picture on the window's device, good until the next is taken
+  uint32_t channels = 4;                  // of the floats that mean something
   std::string name, note;
 };
 
@@ -111,6 +113,7 @@ struct Published {
   std::vector<std::string> not_finite;  // debug.nan_scan: images with NaN or infinite texels, and where
   std::optional<Inspected> inspected;
   uint32_t draws = 0;
+  uint64_t host_bytes = 0;  // that were copied to the host
 };
 
 enum class EventKind : uint8_t {

@@ -43,6 +43,7 @@ void Worker::send(Command command) {
 
 std::optional<Published> Worker::take() {
   const std::lock_guard lock(mutex_);
+  if (published_ && published_->picture.image) options_.handover->take();
   return std::exchange(published_, std::nullopt);
 }
 
@@ -68,7 +69,20 @@ void Worker::publish(Published&& frame) {
     if (!frame.graph) frame.graph = std::move(published_->graph);
     if (!frame.picked) frame.picked = std::move(published_->picked);
   }
+  if (frame.picture.image) options_.handover->publish();
   published_ = std::move(frame);
+}
+
+void Worker::release() {
+  std::unique_lock lock(mutex_);
+  release_ = true;
+  wake_.notify_all();
+  wake_.wait(lock, [&] { return !release_; });
+}
+
+void Worker::lend(Handover& handover) {
+  const std::lock_guard lock(mutex_);
+  options_.handover = &handover;
 }
 
 void Worker::tell(Event event) {
@@ -78,7 +92,7 @@ void Worker::tell(Event event) {
 
 // Under the mutex.
 bool Worker::has_work(const Engine& e) const {
-  if (!commands_.empty()) return true;
+  if (!commands_.empty() || release_) return true;
   if (e.lost || !e.renderer || wanted_.scene != e.serial || wanted_.paused) return false;
   if (wanted_.revision == e.failed_revision) return false;
   return wanted_.revision != e.revision || e.settled < wanted_.settle || wanted_.playing || wanted_.steps != e.steps ||
@@ -133,10 +147,15 @@ void Worker::run() {
   setpriority(PRIO_PROCESS, id_t(gettid()), 8);
   Engine engine;
   const auto open = [&] {
-    engine.open(options_);
+    WorkerOptions options;
+    {
+      const std::lock_guard lock(mutex_);
+      options = options_;
+    }
+    engine.open(options);
     tell({.kind = EventKind::DeviceOpened,
           .text = engine.device->info.name,
-          .context = context_json(*engine.device, {}, options_.device.validation),
+          .context = context_json(*engine.device, {}, options.device.validation),
           .software = engine.device->facts.software});
   };
   guarded(engine, open);
@@ -148,6 +167,14 @@ void Worker::run() {
       busy_ = has_work(engine);
       if (!busy_) wake_.wait_for(lock, std::chrono::milliseconds(200), [&] { return quit_ || has_work(engine); });
       if (quit_) return;
+      if (release_) {
+        lock.unlock();
+        engine.close();
+        lock.lock();
+        published_.reset();
+        release_ = false;
+        wake_.notify_all();
+      }
       busy_ = has_work(engine);
       wanted = wanted_;
       commands = std::exchange(commands_, {});
@@ -162,7 +189,7 @@ void Worker::run() {
           break;
         case CommandKind::LoadEnvironment:
           guarded(engine, [&] {
-            if (!engine.renderer) fail(Exit::Input, "open a scene first: an environment goes round one");
+            if (!engine.scene) fail(Exit::Input, "open a scene first: an environment goes round one");
             tell({.kind = EventKind::EnvironmentLoaded, .text = command.path, .scene = engine.surround(command.path)});
           });
           break;
@@ -178,7 +205,7 @@ void Worker::run() {
           guarded(engine, open);
           break;
         case CommandKind::ReloadShaders:
-          reload(engine, {});
+          if (engine.renderer) reload(engine, {});
           break;
         case CommandKind::LoseDevice:
           engine.lose_next = true;
@@ -194,7 +221,7 @@ void Worker::run() {
     {
       const std::lock_guard lock(mutex_);
       wanted = wanted_;
-      render = commands_.empty() && has_work(engine);
+      render = commands_.empty() && !release_ && has_work(engine);
     }
     if (render) {
       const bool failed_before = engine.failed_revision != ~uint64_t{0};

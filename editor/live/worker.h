@@ -1,5 +1,5 @@
-// The renderer in a thread of its own, with a device of its own: the window never waits for a frame of the scene, and a
-// lost device takes nothing of the user's with it. A mailbox lies between them.
+// The renderer in a thread of its own: the window never waits for it, and a lost device takes nothing of the user's
+// with it. It has a device of its own, or is the second user of the window's. A mailbox lies between them.
 #pragma once
 
 #include <condition_variable>
@@ -31,6 +31,10 @@ class Worker {
   bool idle() const;
   // Of validation, since the start.
   uint64_t messages() const;
+  // Before the window's device is closed: returns when the renderer has nothing of it left, and frames that were not
+  // taken are gone. It has no device until lend() and CommandKind::Restart.
+  void release();
+  void lend(Handover& handover);
 
  private:
   void run();
@@ -50,7 +54,7 @@ class Worker {
   std::vector<Command> commands_;
   std::optional<Published> published_;
   std::vector<Event> events_;
-  bool quit_ = false, busy_ = true;
+  bool quit_ = false, busy_ = true, release_ = false;
   uint64_t messages_ = 0;
   std::thread thread_;  // last: starts when all else is there
 };

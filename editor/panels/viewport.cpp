@@ -128,8 +128,9 @@ void draw_picture(Editor& editor, ImVec2 low, ImVec2 size) {
   look.nearest = size.x >= 2 * float(std::max(editor.picture.size.x, 1u));
   void* scene = editor.pictures->show(ui::PictureId::Scene, floats ? look : ui::PictureLook{.nearest = look.nearest});
   if (!scene) {
-    const char* text =
-        editor.scene.path.empty() ? "no scene: drop a .glb or .gltf, or Ctrl+O" : "the first picture is on its way ...";
+    const char* text = editor.device_lost          ? "the picture was lost with the device"
+                       : editor.scene.path.empty() ? "no scene: drop a .glb or .gltf, or Ctrl+O"
+                                                   : "the first picture is on its way ...";
     const ImVec2 extent = ImGui::CalcTextSize(text);
     list->AddRectFilled(low, high, IM_COL32(30, 30, 34, 255));
     list->AddText(ImVec2(low.x + (size.x - extent.x) / 2, low.y + (size.y - extent.y) / 2),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <imgui.h>
+#include <utility>
 
 #include "gpu/shader.h"
 #include "gpu/upload.h"
@@ -13,13 +14,22 @@ namespace {
 
 #define NF_UI_FIELDS(F) F(Vec2, pixel_to_clip)
 NF_DECLARE_BLOCK(UiBlock, "ui", NF_UI_FIELDS)
+#define NF_UI_PIXEL_FIELDS(F) F(IVec2, place)
+NF_DECLARE_BLOCK(UiPixelBlock, "ui_pixel", NF_UI_PIXEL_FIELDS)
 
 struct Vertex {
   glm::vec2 position, uv;
   uint32_t color, draw;
 };
 
-enum Kind : uint32_t { Text, Bytes, Floats, Difference };
+// The last two are of a picture that is an image, which the last compares with bytes.
+enum Kind : uint32_t { Text, Bytes, Floats, Difference, Image, ImageDifference, KindCount };
+constexpr bool has_image(uint32_t kind) {
+  return kind >= Image;
+}
+constexpr bool has_table(uint32_t kind) {
+  return kind != Image;
+}
 enum Flag : uint32_t { Nearest = 1, Srgb = 2, MarkOutside = 4 };
 
 }  // namespace
@@ -28,11 +38,17 @@ Renderer::Renderer(gpu::Device& device) : device_(device) {
   const std::filesystem::path cache = gpu::cache_folder();
   gpu::ShaderCompiler compiler(gpu::find_shader_folder(), cache);
   compiler.add_table(UiBlock::table());
+  compiler.add_table(UiPixelBlock::table());
   pipelines_ = std::make_unique<gpu::Pipelines>(device, std::move(compiler), cache);
   pipeline_ = pipelines_->raster("ui.vert", "ui.frag", {}, {.over = true});
-  for (uint32_t kind = Bytes; kind <= Difference; ++kind)
-    picture_pipelines_[kind] =
-        pipelines_->raster("ui.vert", "ui_picture.frag", {{"KIND", fmt::format("{}", kind)}}, {});
+  for (uint32_t kind = Bytes; kind < KindCount; ++kind)
+    picture_pipelines_[kind] = pipelines_->raster("ui.vert", "ui_picture.frag",
+                                                  {{"KIND", kind == Image             ? "1"
+                                                            : kind == ImageDifference ? "3"
+                                                                                      : fmt::format("{}", kind)},
+                                                   {"IMAGE", has_image(kind) ? "1" : "0"}},
+                                                  {});
+  pixel_pipeline_ = pipelines_->compute("ui_pixel.comp");
   executor_ = std::make_unique<graph::Executor>(device, *pipelines_);
   shown_.emplace_back();
   reserve(texels_, 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "ui.texels");
@@ -66,6 +82,7 @@ void Renderer::set_words(PictureId id, glm::uvec2 size, bool floats, const void*
   Picture& picture = pictures_[size_t(id)];
   picture.size = size;
   picture.floats = floats;
+  picture.image = nullptr;
   picture.words.resize(size_t(size.x) * size.y * (floats ? 4 : 1));
   std::memcpy(picture.words.data(), data, picture.words.size() * 4);
   picture.changed = true;
@@ -79,11 +96,51 @@ void Renderer::set_picture(PictureId id, glm::uvec2 size, std::span<const float>
   set_words(id, size, true, rgba.data());
 }
 
+void Renderer::set_picture(PictureId id, const gpu::LentImage& image) {
+  pictures_[size_t(id)] = {.size = {image.image.info.extent.width, image.image.info.extent.height}, .image = &image};
+}
+
+void Renderer::adopt(Renderer& other) {
+  pictures_ = std::move(other.pictures_);
+  for (Picture& picture : pictures_) {
+    if (picture.image) picture = {};
+    picture.changed = true;
+  }
+}
+
+std::vector<uint8_t> Renderer::texels(PictureId id) {
+  const Picture& picture = pictures_[size_t(id)];
+  std::vector<uint8_t> out;
+  if (picture.image) {
+    const std::vector<std::byte> bytes = gpu::download_image(device_, *picture.image);
+    out.resize(bytes.size());
+    std::memcpy(out.data(), bytes.data(), bytes.size());
+  } else if (!picture.floats && !picture.words.empty()) {
+    out.resize(picture.words.size() * 4);
+    std::memcpy(out.data(), picture.words.data(), out.size());
+  }
+  return out;
+}
+
+std::optional<glm::u8vec4> Renderer::texel(PictureId id, glm::uvec2 at) {
+  const Picture& picture = pictures_[size_t(id)];
+  if (picture.floats || at.x >= picture.size.x || at.y >= picture.size.y) return std::nullopt;
+  if (picture.image) {
+    texel_asked_ = at;
+    return texel_seen_;
+  }
+  glm::u8vec4 texel;
+  std::memcpy(&texel, &picture.words[size_t(at.y) * picture.size.x + at.x], 4);
+  return texel;
+}
+
 void* Renderer::show(PictureId id, const PictureLook& look) {
   const Picture& picture = pictures_[size_t(id)];
-  if (picture.words.empty()) return nullptr;
+  if (picture.words.empty() && !picture.image) return nullptr;
   shown_.push_back(
-      {.kind = picture.floats ? Floats : Bytes,
+      {.kind = picture.image    ? Image
+               : picture.floats ? Floats
+                                : Bytes,
        .first = uint32_t(id),
        .size = picture.size,
        .show = uint32_t(look.show),
@@ -95,8 +152,8 @@ void* Renderer::show(PictureId id, const PictureLook& look) {
 
 void* Renderer::show_difference(PictureId a, PictureId b, float low, float high, bool nearest) {
   const Picture &one = pictures_[size_t(a)], &two = pictures_[size_t(b)];
-  if (one.words.empty() || two.words.empty() || one.floats != two.floats) return nullptr;
-  shown_.push_back({.kind = Difference,
+  if ((one.words.empty() && !one.image) || two.words.empty() || one.floats != two.floats) return nullptr;
+  shown_.push_back({.kind = one.image ? ImageDifference : Difference,
                     .first = uint32_t(a),
                     .second = uint32_t(b),
                     .size = one.size,
@@ -127,15 +184,29 @@ void Renderer::fill_texels() {
   }
   for (size_t i = 1; i < shown_.size(); ++i) {
     shown_[i].first = pictures_[shown_[i].first].first;
-    if (shown_[i].kind == Difference) shown_[i].second = pictures_[shown_[i].second].first;
+    if (shown_[i].kind == Difference || shown_[i].kind == ImageDifference)
+      shown_[i].second = pictures_[shown_[i].second].first;
   }
 }
 
-void Renderer::draw_commands(const graph::Recorder& recorder, uint32_t kind) const {
+// Pictures lie over one another in the order of their commands; a pass draws those of one kind that follow each other.
+std::vector<Renderer::Run> Renderer::picture_runs() const {
+  std::vector<Run> runs;
+  for (uint32_t i = 0; i < commands_.size(); ++i) {
+    const uint32_t kind = commands_[i].kind;
+    if (kind == Text) continue;
+    if (runs.empty() || runs.back().kind != kind) runs.push_back({kind, i, i});
+    runs.back().end = i + 1;
+  }
+  if (runs.empty()) runs.push_back({Bytes, 0, 0});  // clears all the same
+  return runs;
+}
+
+void Renderer::draw_run(const graph::Recorder& recorder, const Run& run) const {
   recorder.set_cull(VK_CULL_MODE_NONE, VK_FRONT_FACE_COUNTER_CLOCKWISE);
   recorder.bind_indices(indices_.handle);
-  for (const Command& c : commands_) {
-    if (kind != every_kind && c.kind != kind) continue;
+  for (const Command& c : std::span(commands_).subspan(run.first, run.end - run.first)) {
+    if (run.kind != every_kind && c.kind != run.kind) continue;
     recorder.set_scissor(c.clip.x, c.clip.y, uint32_t(c.clip.z), uint32_t(c.clip.w));
     recorder.draw_indexed(c.first_index, c.count);
   }
@@ -183,16 +254,19 @@ std::span<const std::byte> Renderer::draw(const ImDrawData& data, glm::uvec2 siz
   const graph::Buf vertices = graph.import("ui.vertices", vertices_);
   const graph::Tex pictures = graph.image("ui.pictures", {{size.x, size.y}, VK_FORMAT_R8G8B8A8_UNORM});
   const graph::Tex picture = graph.image("ui.picture", {{size.x, size.y}, VK_FORMAT_R8G8B8A8_UNORM});
-  static constexpr const char* names[] = {"", "ui.bytes", "ui.floats", "ui.difference"};
-  for (uint32_t kind = Bytes; kind <= Difference; ++kind) {
-    const bool any = std::any_of(commands_.begin(), commands_.end(), [&](const Command& c) { return c.kind == kind; });
-    if (!any && kind != Bytes) continue;  // the first clears
+  const auto lent = std::find_if(pictures_.begin(), pictures_.end(), [](const Picture& p) { return p.image; });
+  const gpu::LentImage* image = lent == pictures_.end() ? nullptr : lent->image;
+  static constexpr const char* names[] = {"",         "ui.bytes",           "ui.floats", "ui.difference",
+                                          "ui.image", "ui.image_difference"};
+  bool clear = true;
+  for (const Run& run : picture_runs()) {
+    const uint32_t kind = run.kind;
     auto pass = graph.raster(names[kind], picture_pipelines_[kind], "Pictures, each in its place");
-    pass.in("vertices", vertices)
-        .in("draws", graph.import("ui.draws", draws_))
-        .in("texels", graph.import("ui.texels", texels_))
-        .draw([this, kind](const graph::Recorder& recorder) { draw_commands(recorder, kind); });
-    if (kind == Bytes)
+    pass.in("vertices", vertices).in("draws", graph.import("ui.draws", draws_));
+    if (has_table(kind)) pass.in("texels", graph.import("ui.texels", texels_));
+    if (has_image(kind)) pass.in("shown", graph.import("ui.shown", image->image));
+    pass.draw([this, run](const graph::Recorder& recorder) { draw_run(recorder, run); });
+    if (std::exchange(clear, false))
       pass.out("pictures", pictures, {0, 0, 0, 1});
     else
       pass.out("pictures", pictures);
@@ -202,14 +276,28 @@ std::span<const std::byte> Renderer::draw(const ImDrawData& data, glm::uvec2 siz
       .in("pictures", pictures)
       .in("font", graph.import("ui.font", font_))
       .out("picture", picture, {0.08f, 0.08f, 0.09f, 1})
-      .draw([this](const graph::Recorder& recorder) { draw_commands(recorder, every_kind); });
+      .draw([this, all = Run{every_kind, 0, uint32_t(commands_.size())}](const graph::Recorder& recorder) {
+        draw_run(recorder, all);
+      });
   graph.readback("readback.ui", picture);
-  executor_->run(graph);
+  const std::optional<glm::uvec2> place = image ? std::exchange(texel_asked_, std::nullopt) : std::nullopt;
+  if (place) {
+    const graph::Buf found = graph.buffer("ui.texel", 16);
+    graph.compute("ui.pixel", pixel_pipeline_, "The texel under the pointer")
+        .in("shown", graph.import("ui.shown", image->image))
+        .out("texels", found)
+        .params(UiPixelBlock{.place = glm::min(*place, lent->size - 1u)})
+        .over(1);
+    graph.readback("readback.texel", found);
+  }
+  executor_->run(graph, {.after = image ? image->written : gpu::TimelinePoint{}});
   const graph::FrameResult result = executor_->finish();
   last_ms_ = 0;
   for (const graph::PassTime& pass : result.passes)
     if (pass.kind != graph::PassKind::Readback) last_ms_ += pass.ms;
   readbacks_ = executor_->take_readbacks();
+  texel_seen_.reset();
+  if (place) std::memcpy(&texel_seen_.emplace(), readbacks_.at(1).texels.data(), 4);
   shown_.resize(1);
   return readbacks_.at(0).texels;
 }

@@ -1,11 +1,12 @@
 // Draws Dear ImGui's triangles as passes of a graph of its own. Pictures shown in the window are tables of texels in
-// host memory: the scene is rendered on another device, and its results come as bytes.
+// host memory, or, one of them, an image on this device that the scene's renderer has filled.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,14 @@ class Renderer {
   // RGBA8 texels or four floats a texel, rows tightly packed.
   void set_picture(PictureId id, glm::uvec2 size, std::span<const uint8_t> rgba);
   void set_picture(PictureId id, glm::uvec2 size, std::span<const float> rgba);
+  // An RGBA8 image, which has to stay as it is until the picture is set again. One picture at a time may be one.
+  void set_picture(PictureId id, const gpu::LentImage& image);
+  // All that `other` keeps in host memory: for a renderer that takes its place on another device.
+  void adopt(Renderer& other);
+  // RGBA8 texels, from wherever they are; an image's are waited for. Empty when there is none, or it is of floats.
+  std::vector<uint8_t> texels(PictureId id);
+  // One of them, to be asked for in every frame: an image's comes with the next.
+  std::optional<glm::u8vec4> texel(PictureId id, glm::uvec2 at);
   glm::uvec2 size_of(PictureId id) const { return pictures_[size_t(id)].size; }
 
   // For ImGui::Image(), good until the end of this frame.
@@ -68,7 +77,8 @@ class Renderer {
     glm::uvec2 size{0};
     bool floats = false;
     std::vector<uint32_t> words;
-    uint32_t first = 0;  // in the buffer
+    const gpu::LentImage* image = nullptr;  // instead of words
+    uint32_t first = 0;                     // in the buffer
     bool changed = false;
   };
   // A row as shaders/ui.frag declares it (scalar layout).
@@ -84,21 +94,29 @@ class Renderer {
   };
   void set_words(PictureId id, glm::uvec2 size, bool floats, const void* data);
   void fill_texels();
+  // Rows [first, end) of commands_: those of a kind, or all.
+  struct Run {
+    uint32_t kind, first, end;
+  };
   static constexpr uint32_t every_kind = ~0u;
-  void draw_commands(const graph::Recorder& recorder, uint32_t kind) const;
+  std::vector<Run> picture_runs() const;
+  void draw_run(const graph::Recorder& recorder, const Run& run) const;
   void reserve(gpu::Buffer& buffer, uint64_t bytes, VkBufferUsageFlags usage, const char* name);
 
   gpu::Device& device_;
   std::unique_ptr<gpu::Pipelines> pipelines_;
   std::unique_ptr<graph::Executor> executor_;
   gpu::Pipeline pipeline_;
-  std::array<gpu::Pipeline, 4> picture_pipelines_;  // by kind; 0 is text, which has none
+  gpu::Pipeline pixel_pipeline_;
+  std::array<gpu::Pipeline, 6> picture_pipelines_;  // by kind; 0 is text, which has none
   gpu::Image font_;
   gpu::Buffer vertices_, indices_, draws_, texels_;
   std::array<Picture, size_t(PictureId::Count)> pictures_;
   std::vector<DrawRow> shown_;  // row 0 is text
   std::vector<Command> commands_;
   std::vector<graph::Readback> readbacks_;
+  std::optional<glm::uvec2> texel_asked_;  // of the image, in this frame
+  std::optional<glm::u8vec4> texel_seen_;
   double last_ms_ = 0;
 };
 

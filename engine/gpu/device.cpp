@@ -307,11 +307,16 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
   features.base.features.samplerAnisotropy = available.samplerAnisotropy;
   features.base.features.pipelineStatisticsQuery = available.pipelineStatisticsQuery;
 
-  const float priority = 1;
+  uint32_t family_count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &family_count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(family_count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &family_count, families.data());
+  queues = options.second_queue ? std::min(families[queue_family].queueCount, 2u) : 1;
+  const float priorities[2] = {1, 1};
   VkDeviceQueueCreateInfo queue_create{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                        .queueFamilyIndex = queue_family,
-                                       .queueCount = 1,
-                                       .pQueuePriorities = &priority};
+                                       .queueCount = queues,
+                                       .pQueuePriorities = priorities};
   std::vector<const char*> extensions = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
   const bool calibrated = has_calibrated_clock(instance, physical);
   if (calibrated) extensions.push_back(VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME);
@@ -323,7 +328,8 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
                             .enabledExtensionCount = uint32_t(extensions.size()),
                             .ppEnabledExtensionNames = extensions.data()};
   NF_VK(vkCreateDevice(physical, &create, nullptr, &handle));
-  vkGetDeviceQueue(handle, queue_family, 0, &queue);
+  for (uint32_t i = 0; i < queues; ++i) vkGetDeviceQueue(handle, queue_family, i, &own_queues_[i].handle);
+  queue_ = &own_queues_[0];
 
   push_descriptor_set =
       reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(handle, "vkCmdPushDescriptorSetKHR"));
@@ -342,10 +348,6 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PUSH_DESCRIPTOR_PROPERTIES_KHR};
   VkPhysicalDeviceProperties2 more{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &push};
   vkGetPhysicalDeviceProperties2(physical, &more);
-  uint32_t family_count = 0;
-  vkGetPhysicalDeviceQueueFamilyProperties(physical, &family_count, nullptr);
-  std::vector<VkQueueFamilyProperties> families(family_count);
-  vkGetPhysicalDeviceQueueFamilyProperties(physical, &family_count, families.data());
   const uint32_t bits = families[queue_family].timestampValidBits;
   facts = {.software = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU,
            .fetch_storage = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU,
@@ -358,7 +360,30 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
            .max_image_size = properties.limits.maxImageDimension2D};
 }
 
+Device::Device(SecondUser second)
+    : instance(second.of.instance),
+      physical(second.of.physical),
+      handle(second.of.handle),
+      queue_family(second.of.queue_family),
+      queues(second.of.queues),
+      properties(second.of.properties),
+      memory(second.of.memory),
+      facts(second.of.facts),
+      info(second.of.info),
+      validation(second.of.validation),
+      push_descriptor_set(second.of.push_descriptor_set),
+      begin_label(second.of.begin_label),
+      end_label(second.of.end_label),
+      set_name(second.of.set_name),
+      owner_(&second.of),
+      queue_(&second.of.own_queues_[queues - 1]),
+      get_clocks_(second.of.get_clocks_) {}
+
 Device::~Device() {
+  if (owner_) {
+    wait_idle();
+    return;
+  }
   if (handle) {
     vkDeviceWaitIdle(handle);
     vkDestroyDevice(handle, nullptr);
@@ -370,6 +395,7 @@ Device::~Device() {
 }
 
 std::vector<std::string> Device::take_messages() {
+  if (owner_) return owner_->take_messages();
   const std::lock_guard lock(mutex_);
   return std::exchange(messages_, {});
 }
@@ -379,8 +405,25 @@ void Device::add_message(std::string message) {
   messages_.push_back(std::move(message));
 }
 
+VkResult Device::submit(const VkSubmitInfo2& submit, VkFence fence) {
+  if ((owner_ ? owner_ : this)->pretend_lost_) return VK_ERROR_DEVICE_LOST;
+  const std::lock_guard lock(queue_->mutex);
+  return vkQueueSubmit2(queue_->handle, 1, &submit, fence);
+}
+
+VkResult Device::present(const VkPresentInfoKHR& present) {
+  const std::lock_guard lock(queue_->mutex);
+  return vkQueuePresentKHR(queue_->handle, &present);
+}
+
 void Device::wait_idle() const {
-  NF_VK(vkDeviceWaitIdle(handle));
+  const std::lock_guard lock(queue_->mutex);
+  const VkResult result = vkQueueWaitIdle(queue_->handle);
+  if (result != VK_ERROR_DEVICE_LOST) check(result, "vkQueueWaitIdle", __FILE__, __LINE__);
+}
+
+void Device::pretend_lost() {
+  (owner_ ? owner_ : this)->pretend_lost_ = true;
 }
 
 std::optional<ClockPair> Device::clocks() const {

@@ -1,7 +1,10 @@
-// The Vulkan 1.3 device: one queue, dynamic rendering, synchronization2, push descriptors, a timeline semaphore. Needs
-// no window system. Every other part of gpu/ takes a Device&.
+// The Vulkan 1.3 device: dynamic rendering, synchronization2, push descriptors, a timeline semaphore. Needs no window
+// system. Every other part of gpu/ takes a Device&, which belongs to one thread; a second thread takes a second Device
+// on the same VkDevice (SecondUser).
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -16,6 +19,7 @@ struct DeviceOptions {
   bool validation = false;  // core and synchronization validation, queue submissions included
   // What a window system asks of the instance; when there are any, the device can make swapchains.
   std::vector<std::string> window_extensions;
+  bool second_queue = false;  // for a second user, where the family has two
 };
 
 struct DeviceInfo {
@@ -46,8 +50,29 @@ struct DeviceCounts {
   bool operator==(const DeviceCounts&) const = default;
 };
 
+// A value of a timeline semaphore; without a semaphore, nothing.
+struct TimelinePoint {
+  VkSemaphore semaphore = VK_NULL_HANDLE;
+  uint64_t value = 0;
+};
+
+// Vulkan wants one thread at a time at a queue. Two users of one queue share this.
+struct Queue {
+  VkQueue handle = VK_NULL_HANDLE;
+  std::mutex mutex;
+};
+
+struct Device;
+// Of that device, which has to outlive the second user.
+struct SecondUser {
+  Device& of;
+};
+
 struct Device {
   explicit Device(const DeviceOptions& options);
+  // The same VkDevice for another thread: its counts are its own, so is its queue when there are two. Messages of
+  // validation are common to both, each is taken once; a lost device is lost for both.
+  explicit Device(SecondUser second);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -55,8 +80,8 @@ struct Device {
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice handle = VK_NULL_HANDLE;
-  VkQueue queue = VK_NULL_HANDLE;
   uint32_t queue_family = 0;
+  uint32_t queues = 1;  // that the VkDevice has
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
   DeviceFacts facts;
@@ -72,12 +97,22 @@ struct Device {
   // Validation messages since the last call, and forget them. Any message is a failure.
   std::vector<std::string> take_messages();
   void add_message(std::string message);
+  // To this user's queue, one thread at a time. submit() and present() return what Vulkan does.
+  VkResult submit(const VkSubmitInfo2& submit, VkFence fence = VK_NULL_HANDLE);
+  VkResult present(const VkPresentInfoKHR& present);
+  // All that was submitted to this user's queue is done. At once when the device is lost: nothing will come of it.
   void wait_idle() const;
+  // Test hook: from now on whatever is submitted, by either user, finds the device lost.
+  void pretend_lost();
   // Nothing where the device cannot tell.
   std::optional<ClockPair> clocks() const;
   void name_object(VkObjectType type, uint64_t object, const std::string& name) const;
 
  private:
+  Device* owner_ = nullptr;  // of a second user
+  Queue own_queues_[2];      // the owner's
+  Queue* queue_ = nullptr;
+  std::atomic<bool> pretend_lost_ = false;  // the owner's
   PFN_vkGetCalibratedTimestampsEXT get_clocks_ = nullptr;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   std::mutex mutex_;

@@ -33,7 +33,7 @@ FrameRing::FrameRing(Device& device) : device_(device) {
 }
 
 FrameRing::~FrameRing() {
-  vkDeviceWaitIdle(device_.handle);
+  device_.wait_idle();
   for (Frame& frame : frames_) {
     vkDestroyCommandPool(device_.handle, frame.pool, nullptr);
     for (const VkQueryPool pool : {frame.timestamps.pool, frame.statistics.graphics, frame.statistics.compute})
@@ -89,21 +89,26 @@ Frame& FrameRing::begin(VkDeviceSize uniform_bytes, uint32_t timestamps, uint32_
   return frame;
 }
 
-void FrameRing::submit(Frame& frame) {
+void FrameRing::submit(Frame& frame, TimelinePoint after, TimelinePoint then) {
   NF_VK(vkEndCommandBuffer(frame.commands));
-  frame.value = ++submitted_;
+  const auto info = [](TimelinePoint point) {
+    return VkSemaphoreSubmitInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                                 .semaphore = point.semaphore,
+                                 .value = point.value,
+                                 .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+  };
   VkCommandBufferSubmitInfo commands{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                      .commandBuffer = frame.commands};
-  VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-                               .semaphore = timeline_,
-                               .value = frame.value,
-                               .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+  const VkSemaphoreSubmitInfo wait = info(after), signals[] = {info({timeline_, submitted_ + 1}), info(then)};
   VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                       .waitSemaphoreInfoCount = after.semaphore ? 1u : 0u,
+                       .pWaitSemaphoreInfos = &wait,
                        .commandBufferInfoCount = 1,
                        .pCommandBufferInfos = &commands,
-                       .signalSemaphoreInfoCount = 1,
-                       .pSignalSemaphoreInfos = &signal};
-  NF_VK(vkQueueSubmit2(device_.queue, 1, &submit, VK_NULL_HANDLE));
+                       .signalSemaphoreInfoCount = then.semaphore ? 2u : 1u,
+                       .pSignalSemaphoreInfos = signals};
+  NF_VK(device_.submit(submit));
+  frame.value = ++submitted_;
 }
 
 void FrameRing::wait(const Frame& frame) {

@@ -52,7 +52,8 @@ class FrameRing {
   // Waits until the slot's last submission is done, then starts recording. `uniform_bytes`, `timestamps` and the number
   // of passes to count `statistics` of are upper bounds.
   Frame& begin(VkDeviceSize uniform_bytes, uint32_t timestamps, uint32_t statistics = 0);
-  void submit(Frame& frame);
+  // Waits on the device for `after`; tells `then` when the frame is done.
+  void submit(Frame& frame, TimelinePoint after = {}, TimelinePoint then = {});
   void wait(const Frame& frame);
   // How many frames were submitted, and how many of them are done.
   uint64_t submitted() const { return submitted_; }

@@ -36,6 +36,12 @@ struct Image {
   ImageInfo info;
   VkDeviceSize bytes = 0;
 };
+// An image that another user of the VkDevice has filled, in SHADER_READ_ONLY_OPTIMAL, and what to wait for before using
+// it.
+struct LentImage {
+  Image image;
+  TimelinePoint written;
+};
 Image create_image(Device& device, const ImageInfo& info, const std::string& name, WholeView view = WholeView::Flat);
 void destroy(Device& device, Image& image);
 // A view of some mips and layers. The caller destroys it, before the image, with destroy_view().

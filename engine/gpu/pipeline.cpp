@@ -86,7 +86,9 @@ Pipelines::~Pipelines() {
     vkGetPipelineCacheData(device_.handle, cache_, &size, nullptr);
     std::vector<char> data(size);
     if (vkGetPipelineCacheData(device_.handle, cache_, &size, data.data()) == VK_SUCCESS) {
-      const std::filesystem::path temporary = cache_file_.string() + fmt::format(".{}", ::getpid());
+      // Two of one process may do this at one time.
+      const std::filesystem::path temporary =
+          cache_file_.string() + fmt::format(".{}-{}", ::getpid(), static_cast<const void*>(this));
       std::ofstream out(temporary, std::ios::binary);
       out.write(data.data(), std::streamsize(size));
       out.close();

@@ -34,6 +34,13 @@ VkFence create_fence(VkDevice device) {
   return fence;
 }
 
+VkSemaphore create_semaphore(VkDevice device) {
+  VkSemaphoreCreateInfo create{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+  VkSemaphore semaphore = VK_NULL_HANDLE;
+  NF_VK(vkCreateSemaphore(device, &create, nullptr, &semaphore));
+  return semaphore;
+}
+
 void wait(VkDevice device, VkFence fence) {
   NF_VK(vkWaitForFences(device, 1, &fence, VK_TRUE, ~uint64_t{0}));
   NF_VK(vkResetFences(device, 1, &fence));
@@ -49,7 +56,7 @@ Swapchain::Swapchain(Device& device, VkSurfaceKHR surface) : device_(device), su
     fail(Exit::NoDevice, "{} cannot show pictures in this window; choose another with --device, e.g. --device cpu",
          device.info.name);
   }
-  acquired_ = create_fence(device.handle);
+  acquired_ = create_semaphore(device.handle);
   done_ = create_fence(device.handle);
   VkCommandPoolCreateInfo create{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                  .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
@@ -67,7 +74,7 @@ Swapchain::~Swapchain() {
   destroy_swapchain();
   gpu::destroy(device_, staging_);
   vkDestroyCommandPool(device_.handle, pool_, nullptr);
-  vkDestroyFence(device_.handle, acquired_, nullptr);
+  vkDestroySemaphore(device_.handle, acquired_, nullptr);
   vkDestroyFence(device_.handle, done_, nullptr);
   vkDestroySurfaceKHR(device_.instance, surface_, nullptr);
 }
@@ -119,10 +126,7 @@ void Swapchain::recreate() {
   NF_VK(vkGetSwapchainImagesKHR(device_.handle, swapchain_, &count, nullptr));
   images_.resize(count);
   NF_VK(vkGetSwapchainImagesKHR(device_.handle, swapchain_, &count, images_.data()));
-  for (uint32_t i = 0; i < count; ++i) {
-    VkSemaphoreCreateInfo semaphore{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-    NF_VK(vkCreateSemaphore(device_.handle, &semaphore, nullptr, &copied_.emplace_back()));
-  }
+  for (uint32_t i = 0; i < count; ++i) copied_.push_back(create_semaphore(device_.handle));
   const VkDeviceSize bytes = VkDeviceSize(extent_.width) * extent_.height * 4;
   if (staging_.size < bytes) {
     gpu::destroy(device_, staging_);
@@ -136,12 +140,11 @@ void Swapchain::present(VkExtent2D size, std::span<const std::byte> rgba) {
     if (!swapchain_) recreate();
     if (!swapchain_) return;
     const VkResult got =
-        vkAcquireNextImageKHR(device_.handle, swapchain_, ~uint64_t{0}, VK_NULL_HANDLE, acquired_, &index);
+        vkAcquireNextImageKHR(device_.handle, swapchain_, ~uint64_t{0}, acquired_, VK_NULL_HANDLE, &index);
     if (got == VK_SUCCESS || got == VK_SUBOPTIMAL_KHR) break;
     if (got != VK_ERROR_OUT_OF_DATE_KHR || attempt == 3) NF_VK(got);
     destroy_swapchain();
   }
-  wait(device_.handle, acquired_);
   // Grey where the surface is larger than the picture: only for the moment until the picture follows a resize.
   const uint32_t width = std::min(size.width, extent_.width), height = std::min(size.height, extent_.height);
   if (width < extent_.width || height < extent_.height)
@@ -175,19 +178,26 @@ void Swapchain::present(VkExtent2D size, std::span<const std::byte> rgba) {
   VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
                                .semaphore = copied_[index],
                                .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+  // The device waits for the image, not the host: when the host waited for a fence here while another thread submitted
+  // to the queue, validation layer 1.3.239 now and then reported a write after present.
+  VkSemaphoreSubmitInfo ready{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                              .semaphore = acquired_,
+                              .stageMask = VK_PIPELINE_STAGE_2_COPY_BIT};
   VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                       .waitSemaphoreInfoCount = 1,
+                       .pWaitSemaphoreInfos = &ready,
                        .commandBufferInfoCount = 1,
                        .pCommandBufferInfos = &info,
                        .signalSemaphoreInfoCount = 1,
                        .pSignalSemaphoreInfos = &signal};
-  NF_VK(vkQueueSubmit2(device_.queue, 1, &submit, done_));
+  NF_VK(device_.submit(submit, done_));
   VkPresentInfoKHR present{.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
                            .waitSemaphoreCount = 1,
                            .pWaitSemaphores = &copied_[index],
                            .swapchainCount = 1,
                            .pSwapchains = &swapchain_,
                            .pImageIndices = &index};
-  const VkResult shown = vkQueuePresentKHR(device_.queue, &present);
+  const VkResult shown = device_.present(present);
   wait(device_.handle, done_);
   if (shown == VK_ERROR_OUT_OF_DATE_KHR || shown == VK_SUBOPTIMAL_KHR)
     device_.wait_idle(), destroy_swapchain();

@@ -33,7 +33,8 @@ class Swapchain {
   bool bgra_ = false;
   std::vector<VkImage> images_;
   std::vector<VkSemaphore> copied_;  // by image
-  VkFence acquired_ = VK_NULL_HANDLE, done_ = VK_NULL_HANDLE;
+  VkSemaphore acquired_ = VK_NULL_HANDLE;
+  VkFence done_ = VK_NULL_HANDLE;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   Buffer staging_;

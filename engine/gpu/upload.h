@@ -1,4 +1,5 @@
-// Staging copies from the CPU to buffers and images, finished when the call returns. For loading, not for frames.
+// Staging copies from the CPU to buffers and images, and back, finished when the call returns. For loading, not for
+// frames.
 #pragma once
 
 #include <cstddef>
@@ -26,5 +27,8 @@ struct ImagePart {
 // Fills the whole image and leaves it in SHADER_READ_ONLY_OPTIMAL. info.usage gets SAMPLED and TRANSFER_DST added.
 Image upload_image(Device& device, ImageInfo info, std::span<const ImagePart> parts, const std::string& name,
                    WholeView view);
+
+// The first mip and layer, rows tightly packed; the image stays in SHADER_READ_ONLY_OPTIMAL.
+std::vector<std::byte> download_image(Device& device, const LentImage& lent);
 
 }  // namespace nf::gpu

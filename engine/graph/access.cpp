@@ -98,6 +98,8 @@ const char* kind_name(PassKind kind) {
       return "copy";
     case PassKind::Readback:
       return "readback";
+    case PassKind::HandOver:
+      return "hand_over";
   }
   return "";
 }

@@ -23,7 +23,7 @@ enum class Use : uint8_t {
   Indices,
 };
 
-enum class PassKind : uint8_t { Compute, Fullscreen, Raster, Copy, Readback };
+enum class PassKind : uint8_t { Compute, Fullscreen, Raster, Copy, Readback, HandOver };
 
 // Exact: each use in its own layout. General: everything in VK_IMAGE_LAYOUT_GENERAL, so that only an image's first use
 // in a frame is a transition.

@@ -317,6 +317,35 @@ void Executor::record_readback(const Graph& graph, uint32_t pass, VkCommandBuffe
        VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
 }
 
+// The image belongs to nobody while it is written: whoever read it has finished. The barriers order this user's earlier
+// copies into it, and, for readers on the same queue, what they read.
+void Executor::record_hand_over(const Graph& graph, const PassRow& pass, VkCommandBuffer commands,
+                                const ExecuteOptions& execute) {
+  const UseRow& use = graph.uses[pass.first_use];
+  const gpu::Image& source = physical(graph, use.resource).image;
+  VkImageMemoryBarrier2 barrier = image_barrier(*pass.target, {0, 1, 0, 1});
+  barrier.srcStageMask = all_stages;
+  barrier.srcAccessMask = any_write;
+  barrier.dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+  barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+  emit(commands, {&barrier, 1}, {});
+  const VkImageAspectFlags aspect = gpu::aspect_of(source.info.format);
+  const VkImageCopy region{.srcSubresource = {aspect, use.part.mip, use.part.layer, 1},
+                           .dstSubresource = {aspect, 0, 0, 1},
+                           .extent = {pass.target->info.extent.width, pass.target->info.extent.height, 1}};
+  vkCmdCopyImage(commands, source.handle, access_of(use.use, pass.kind, plans_[current_].plan.layouts).layout,
+                 pass.target->handle, barrier.newLayout, 1, &region);
+  if (execute.drop_hand_over) return;
+  barrier.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
+  barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+  barrier.dstStageMask = all_stages;
+  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT;
+  barrier.oldLayout = barrier.newLayout;
+  barrier.newLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+  emit(commands, {&barrier, 1}, {});
+}
+
 void Executor::record_pass(const Graph& graph, uint32_t position, gpu::Frame& frame, const ExecuteOptions& execute,
                            std::span<const gpu::UniformRange> uniforms) {
   const PlannedPass& planned = plans_[current_].plan.passes[position];
@@ -330,6 +359,8 @@ void Executor::record_pass(const Graph& graph, uint32_t position, gpu::Frame& fr
 
   if (pass.kind == PassKind::Readback) {
     record_readback(graph, planned.pass, commands);
+  } else if (pass.kind == PassKind::HandOver) {
+    record_hand_over(graph, pass, commands, execute);
   } else if (pass.kind == PassKind::Copy) {
     record_copy(graph, pass, commands);
   } else {

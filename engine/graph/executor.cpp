@@ -52,7 +52,7 @@ void Executor::run(const Graph& graph, const ExecuteOptions& execute) {
   last_counted_ = execute.counts && device_.facts.pipeline_statistics;
   last_submit_ns_ = now_ns();
   last_record_ms_ = (last_submit_ns_ - start_ns) * 1e-6;
-  ring_.submit(frame);
+  ring_.submit(frame, execute.after, execute.then);
   last_ = &frame;
   graph_ = nullptr;
 
@@ -96,7 +96,8 @@ FrameResult Executor::finish() {
     PassTime& pass = result.passes[i];
     pass.begin_ms = ns[2 * i] * 1e-6;
     pass.ms = std::max(ns[2 * i + 1] - ns[2 * i], 0.0) * 1e-6;
-    if (last_counted_ && pass.kind != PassKind::Copy && pass.kind != PassKind::Readback)
+    if (last_counted_ && pass.kind != PassKind::Copy && pass.kind != PassKind::Readback &&
+        pass.kind != PassKind::HandOver)
       pass.counts = read_counts(device_, *last_, counted_work(pass.kind), i);
   }
   result.frame_ms = (*std::max_element(ns.begin(), ns.end()) - *std::min_element(ns.begin(), ns.end())) * 1e-6;

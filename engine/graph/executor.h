@@ -28,10 +28,12 @@ struct ExecutorOptions {
 
 struct ExecuteOptions {
   gpu::Timing timing = gpu::Timing::Serialize;
-  bool counts = false;  // pipeline statistics of every pass, where the device has them
+  bool counts = false;             // pipeline statistics of every pass, where the device has them
+  gpu::TimelinePoint after, then;  // the device waits for the one before the frame, and tells the other after it
   // Test hooks, so that a test can see that validation notices: this barrier of the plan (by row) is left out; this one
   // changes the layout and waits for nothing.
   int drop_barrier = -1, loosen_barrier = -1;
+  bool drop_hand_over = false;  // likewise: the barrier behind the copy of a hand_over()
   // Test hook: this compute pass runs this share of its workgroups a second time, and so takes longer by that.
   const char* slow_pass = nullptr;
   float slow_share = 0;
@@ -171,6 +173,8 @@ class Executor {
   void dispatch(const Graph& graph, const PassRow& pass, VkCommandBuffer commands, const ExecuteOptions& options);
   void record_copy(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);
   void record_readback(const Graph& graph, uint32_t pass, VkCommandBuffer commands);
+  void record_hand_over(const Graph& graph, const PassRow& pass, VkCommandBuffer commands,
+                        const ExecuteOptions& options);
   void push_descriptors(const Graph& graph, const PassRow& pass, const gpu::Pipelines::Bound& bound,
                         VkCommandBuffer commands, std::span<const gpu::UniformRange> uniforms);
   VkExtent2D begin_rendering(const Graph& graph, const PassRow& pass, VkCommandBuffer commands);

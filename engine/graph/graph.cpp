@@ -162,6 +162,13 @@ uint32_t Graph::readback(const char* name, Buf buffer, Location at) {
   return readbacks++;
 }
 
+void Graph::hand_over(const char* name, TexPart tex, const gpu::Image& to, Location at) {
+  const TexPart one{tex.tex, {tex.part.mip, 1, tex.part.layer, 1}};
+  add_pass(name, PassKind::HandOver, {}, "Copy to an image outside the frame", at)
+      .add(nullptr, one, Use::CopySource, {}, at);
+  passes.back().target = &to;
+}
+
 uint32_t Graph::add_param_bytes(const ParamTable& table, const void* data) {
   const uint32_t offset = uint32_t(param_bytes.size());
   const auto* bytes = static_cast<const std::byte*>(data);

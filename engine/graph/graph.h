@@ -195,8 +195,9 @@ struct PassRow {
       no_resource;  // compute: the image whose texels (of over_part's first mip, layers in z) are the threads
   Part over_part;
   bool has_over = false;
-  uint32_t threads = 0;          // compute: their number, where no image says it
-  uint64_t argument_offset = 0;  // compute with indirect(): bytes
+  uint32_t threads = 0;                // compute: their number, where no image says it
+  uint64_t argument_offset = 0;        // compute with indirect(): bytes
+  const gpu::Image* target = nullptr;  // hand_over
   DrawCallback draw;
   Location at;
 };
@@ -281,6 +282,11 @@ class Graph {
   // number.
   uint32_t readback(const char* name, TexPart tex, Location at = Location::current());
   uint32_t readback(const char* name, Buf buffer, Location at = Location::current());
+
+  // Copies the first mip and layer of `tex` to an image that lives outside the frame, of its size and format, and
+  // leaves that in SHADER_READ_ONLY_OPTIMAL, for whoever waits for the frame (ExecuteOptions::then); whatever it needs
+  // runs. What the image held is lost. Nobody may be reading it any more. Which image it is is no part of the topology.
+  void hand_over(const char* name, TexPart tex, const gpu::Image& to, Location at = Location::current());
 
   // A block that every shader gets that declares it (the frame's cameras).
   template <class P>

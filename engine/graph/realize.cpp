@@ -33,7 +33,7 @@ Executor::Executor(gpu::Device& device, gpu::Pipelines& pipelines, const Executo
     : options(wanted), device_(device), pipelines_(pipelines), ring_(device) {}
 
 Executor::~Executor() {
-  vkDeviceWaitIdle(device_.handle);
+  device_.wait_idle();
   while (!plans_.empty()) evict(0);
   drop_unused_histories();
   for (SharedHeap& heap : heaps_) {

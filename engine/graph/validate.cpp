@@ -47,7 +47,9 @@ class Validator {
 
  private:
   std::span<const UseRow> uses() const { return graph_.uses_of(*pass_); }
-  bool has_shader() const { return pass_->kind != PassKind::Readback && pass_->kind != PassKind::Copy; }
+  bool has_shader() const {
+    return pass_->kind != PassKind::Readback && pass_->kind != PassKind::Copy && pass_->kind != PassKind::HandOver;
+  }
   const ResourceRow& resource(const UseRow& use) const { return graph_.resources[use.resource]; }
   const char* slot_name(const UseRow& use) const {
     if (use.slot) return use.slot;
@@ -265,6 +267,7 @@ class Validator {
                fmt::format("is {}x{}, but '{}' is {}x{}", b.width, b.height, resource(*first).name, a.width, a.height));
     }
     if (pass_->kind == PassKind::Copy) check_copy();
+    if (pass_->kind == PassKind::HandOver) check_hand_over();
     if (pass_->kind == PassKind::Compute) check_threads();
   }
 
@@ -287,6 +290,20 @@ class Validator {
       report(Diagnostic::Kind::FormatMismatch, to,
              fmt::format("is {}, and '{}' is {}", gpu::format_name(target.desc.format), source.name,
                          gpu::format_name(source.desc.format)));
+  }
+
+  void check_hand_over() {
+    const UseRow& from = uses()[0];
+    const gpu::ImageInfo& to = pass_->target->info;
+    const Size size = size_of_use(from);
+    if (size.width != to.extent.width || size.height != to.extent.height)
+      report(Diagnostic::Kind::SizeMismatch, from,
+             fmt::format("is {}x{}, and goes to an image of {}x{}", size.width, size.height, to.extent.width,
+                         to.extent.height));
+    if (resource(from).desc.format != to.format)
+      report(Diagnostic::Kind::FormatMismatch, from,
+             fmt::format("is {}, and goes to an image of {}", gpu::format_name(resource(from).desc.format),
+                         gpu::format_name(to.format)));
   }
 
   void check_threads() {

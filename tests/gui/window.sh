@@ -107,4 +107,17 @@ xdotool windowfocus --sync "$window" key ctrl+q
 wait "$editor" || status=$?
 editor=
 [ "$status" -eq 0 ] || { echo "exit code $status"; exit 1; }
+
+echo "one device for window and renderer, resized, lost and opened anew"
+cat >lost.jsonl <<'EOF'
+{"wait": "scene_frames >= 1 && picture_kind == image"}
+{"resize": [900, 600]}
+{"wait": "window.0 == 900 && scene_frames_since_change >= 1"}
+{"lose_device": true}
+{"wait": "device_lost == true"}
+{"click": "banner.restart"}
+{"wait": "device_lost == false && picture_kind == image && scene_frames_since_change >= 1"}
+EOF
+"$build/nearfield" edit "$build/content/cornell.glb" --window 1280x720 --device-sharing shared --ui-script lost.jsonl --validation >out.log 2>err.log
+if grep -q "validation:" err.log; then exit 1; fi
 echo "all well"
