@@ -142,17 +142,13 @@ struct Tally {
   vec3 light;
 };
 
-// The sectors whose rays meet the plane of the emitter from its front: those beyond the direction in that plane, towards the end
-// of the side or towards V.
-Range emitter_half_space(Slice slice, Scale scale, float start, float end, vec3 normal) {
-  float across = dot(normal, slice.tangent);
+// Where the sectors whose rays meet the plane of the emitter from its front begin: at the direction in that plane. They reach to the
+// end of the side, or to V where `across`, the normal's part along the slice's tangent, is not negative.
+int emitter_horizon(Slice slice, Scale scale, int start, vec3 normal, float across) {
   float along = dot(normal, slice.normal);
   // across sin(theta) + along cos(theta) < 0, which changes at:
   float s = (across < 0.0f ? along : -along) * inversesqrt(across * across + along * along + 1e-30f);
-  Range range;
-  range.first = int(floor(s > slice.sin_gamma ? sector_position(scale, s) : start));
-  range.last = int(floor(across < 0.0f ? end : start));
-  return range;
+  return s > slice.sin_gamma ? int(floor(sector_position(scale, s))) : start;
 }
 
 // Light that reaches the receiver per sector, of a texel found at `towards` whose normal, of any length, is `emitter`.
@@ -221,8 +217,14 @@ float turned_sine(float s, float cos_turn, float sin_turn) {
 // Walks from the receiver outwards along one side.
 void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) tally) {
   Steps steps = make_steps();
-  float start = sector_position(scale, slice.sin_gamma);
+  int start = int(floor(sector_position(scale, slice.sin_gamma)));
   float end = sector_position(scale, 1.0f);
+  Mask to_start;
+  Mask to_end;
+  for (int word = 0; word < MASK_WORDS; ++word) {
+    to_start.words[word] = low_mask(start - 32 * word);
+    to_end.words[word] = low_mask(int(floor(end)) - 32 * word);
+  }
   float cos_thickness = cos(radians(gi.thickness_angle));
   float sin_thickness = sin(radians(gi.thickness_angle));
   float near = 0.5f;  // from the receiver's own texel on
@@ -283,15 +285,16 @@ void walk(Receiver receiver, Slice slice, Side side, Scale scale, INOUT(Tally) t
 #if BITMASK_LIGHT
     if (any != 0u) {
       vec3 emitter = vec3(0.0f);
-      Range lit = range;
       if (BITMASK_EMITTER != EMITTER_NONE) emitter = unpack_normal_octahedron(FETCH_NORMAL(tap.texel));
-      if (BITMASK_EMITTER == EMITTER_HALF_SPACE) lit = emitter_half_space(slice, scale, start, end, emitter);
+      float across = dot(emitter, slice.tangent);
+      int horizon = BITMASK_EMITTER == EMITTER_HALF_SPACE ? emitter_horizon(slice, scale, start, emitter, across) : 0;
       float lit_worth = 0.0f;
-      for (int word = 0; word < MASK_WORDS; ++word)
-        lit_worth += word_worth(BITMASK_EMITTER == EMITTER_HALF_SPACE
-                                    ? fresh.words[word] & range_word(lit, word)
-                                    : fresh.words[word],
-                                word);
+      for (int word = 0; word < MASK_WORDS; ++word) {
+        uint lit = fresh.words[word];
+        if (BITMASK_EMITTER == EMITTER_HALF_SPACE)
+          lit &= low_mask(horizon - 32 * word) ^ (across < 0.0f ? to_end.words[word] : to_start.words[word]);
+        lit_worth += word_worth(lit, word);
+      }
       tally.light += weight * lit_worth * texel_light(receiver, tap, emitter);
     }
 #endif
