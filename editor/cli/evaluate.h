@@ -126,6 +126,8 @@ class Stage {
   std::vector<image::Layer> settled_mean(const passes::FrameSettings& settings, const passes::Aov& layer, uint32_t seed,
                                          uint32_t frames, double& gain, uint32_t& before);
   PassTimes time(const passes::FrameSettings& settings);
+  // Of samples taken at pixels spread over the picture, how many have which effect; null where they are not told.
+  nlohmann::json count_samples(const passes::FrameSettings& settings);
   gpu::Device& device_;
   const EvaluateOptions& options_;
   const Place& place_;

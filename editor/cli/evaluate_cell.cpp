@@ -127,6 +127,29 @@ PassTimes Stage::time(const passes::FrameSettings& settings) {
   return times;
 }
 
+json Stage::count_samples(const passes::FrameSettings& settings) {
+  constexpr uint32_t grid = 8;
+  passes::FrameView view = view_;
+  std::map<passes::InspectReason, size_t> counts;
+  size_t all = 0, pixels = 0;
+  for (uint32_t n = 0; n < grid * grid; ++n) {
+    if (interrupted()) return nullptr;
+    view.frame_index = n;
+    const glm::uvec2 cell(n % grid, n / grid);
+    const std::optional<passes::Inspection> seen =
+        inspect_pixel(*renderer_, view, settings, (2u * cell + 1u) * view.size / (2 * grid));
+    if (!seen) return nullptr;
+    pixels += seen->depth > 0;
+    all += seen->samples.size();
+    for (const passes::InspectedSample& sample : seen->samples) ++counts[sample.reason];
+  }
+  if (all == 0) return nullptr;
+  json out = {
+      {"samples", all}, {"pixels", pixels}, {"idle", 1 - double(counts[passes::InspectReason::Counted]) / double(all)}};
+  for (const auto& [reason, count] : counts) out[passes::inspect_reason_name(reason)] = double(count) / double(all);
+  return out;
+}
+
 // What is on the screen, and the passes that every technique's frame has.
 void Stage::look(const passes::FrameSettings& of) {
   if (!renderer_) renderer_ = std::make_unique<passes::Renderer>(device_, scene_, executor_options(options_));
@@ -228,6 +251,7 @@ json Stage::measure(const Contender& of, TruthStore& store, const fs::path& fold
                                   b = mean(settings, layers, options_.seed * 2 + 1, half),
                                   one = mean(settings, layers, options_.seed, 1);
   const PassTimes times = time(settings);
+  const json samples = count_samples(settings);
   if (interrupted()) return nullptr;
 
   uint64_t left_out = 0;
@@ -285,6 +309,7 @@ json Stage::measure(const Contender& of, TruthStore& store, const fs::path& fold
           {"pixels", std::count(mask.begin(), mask.end(), 1)},
           {"pixels_left_out", left_out},
           {"ms", ms},
+          {"samples", samples},
           {"quantities", measured},
           {"absent", absent}};
 }

@@ -30,6 +30,11 @@ std::string ms_text(const json& row, const char* which) {
   return row["ms"].is_object() ? fmt::format("{:.2f}", row["ms"][which].get<double>()) : "–";
 }
 
+// Share of the samples that added nothing.
+std::string idle_text(double share) {
+  return fmt::format("{:.0f} %", 100 * share);
+}
+
 // One table as rows of cells: what Markdown and HTML both show.
 struct Table {
   std::vector<std::string> head;
@@ -46,13 +51,14 @@ std::vector<const Quantity*> present(const std::vector<const json*>& rows) {
 }
 
 Table place_table(const std::vector<const json*>& rows) {
-  Table table{{"technique", "radius", "ms", "frame ms"}, {}};
+  Table table{{"technique", "radius", "idle samples", "ms", "frame ms"}, {}};
   const std::vector<const Quantity*> shown = present(rows);
   for (const Quantity* q : shown)
     for (const char* part : parts) table.head.push_back(fmt::format("{}: {}", q->title, part));
   for (const json* row : rows) {
-    std::vector<std::string> cells = {(*row)["contender"], (*row)["radius"], ms_text(*row, "technique"),
-                                      ms_text(*row, "frame")};
+    std::vector<std::string> cells = {(*row)["contender"], (*row)["radius"],
+                                      (*row)["samples"].is_object() ? idle_text((*row)["samples"]["idle"]) : "–",
+                                      ms_text(*row, "technique"), ms_text(*row, "frame")};
     for (const Quantity* q : shown)
       for (const char* part : parts) cells.push_back(part_text(*row, *q, part));
     table.rows.push_back(cells);
@@ -62,7 +68,7 @@ Table place_table(const std::vector<const json*>& rows) {
 
 // Means over the places: RMSE of visibility, and RMSE over the mean of the others.
 Table summary_table(const json& document) {
-  Table table{{"technique", "views", "ms"}, {}};
+  Table table{{"technique", "views", "idle samples", "ms"}, {}};
   std::vector<const json*> all;
   for (const json& row : document["rows"]) all.push_back(&row);
   const std::vector<const Quantity*> shown = present(all);
@@ -73,12 +79,15 @@ Table summary_table(const json& document) {
     if (std::find(contenders.begin(), contenders.end(), (*row)["contender"]) == contenders.end())
       contenders.push_back((*row)["contender"]);
   for (const std::string& contender : contenders) {
-    uint32_t views = 0;
-    double ms = 0;
-    for (const json* row : all)
-      if ((*row)["contender"] == contender)
-        ++views, ms += (*row)["ms"].is_object() ? double((*row)["ms"]["technique"]) : 0;
-    std::vector<std::string> cells = {contender, fmt::format("{}", views), fmt::format("{:.2f}", ms / views)};
+    uint32_t views = 0, told = 0;
+    double ms = 0, idle = 0;
+    for (const json* row : all) {
+      if ((*row)["contender"] != contender) continue;
+      ++views, ms += (*row)["ms"].is_object() ? double((*row)["ms"]["technique"]) : 0;
+      if ((*row)["samples"].is_object()) ++told, idle += double((*row)["samples"]["idle"]);
+    }
+    std::vector<std::string> cells = {contender, fmt::format("{}", views), told ? idle_text(idle / told) : "–",
+                                      fmt::format("{:.2f}", ms / views)};
     for (const Quantity* q : shown) {
       for (const char* part : parts) {
         double sum = 0;
@@ -168,7 +177,9 @@ constexpr const char* legend =
     "rasteriser and tracer see the same surface. The path "
     "tracer's visibility and gi end at the techniques' radius too, gi at every bounce; its ambient light does not. N "
     "bounces: the technique with feedback, counted from where the loop has settled, so with all the bounces there are; "
-    "random rays that gather what they reflected N - 1 times; paths of N bounces. ms is the median of the "
+    "random rays that gather what they reflected N - 1 times; paths of N bounces. idle samples: of all samples "
+    "taken at 64 pixels spread over the picture, the share that changed nothing (background, out of the radius, "
+    "nothing new). ms is the median of the "
     "passes that the technique adds. – : the technique does not give this, or the view has no such light.";
 
 }  // namespace

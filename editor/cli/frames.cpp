@@ -40,6 +40,18 @@ graph::FrameResult run_frame(passes::Renderer& renderer, passes::FrameView& view
   return result;
 }
 
+std::optional<passes::Inspection> inspect_pixel(passes::Renderer& renderer, passes::FrameView view,
+                                                const passes::FrameSettings& settings, glm::uvec2 pixel) {
+  view.inspect = pixel;
+  graph::Graph graph;
+  const passes::FrameOutputs outputs = renderer.build(graph, view, settings);
+  if (!outputs.inspection.records) return {};
+  graph.readback("readback.inspection", outputs.inspection.records);
+  renderer.executor().run(graph);
+  renderer.executor().finish();
+  return passes::read_inspection(outputs.inspection, renderer.executor().take_readbacks().front());
+}
+
 std::vector<const passes::Aov*> layers_given(passes::Renderer& renderer, const passes::FrameView& view,
                                              const passes::FrameSettings& settings,
                                              std::span<const passes::Aov* const> layers) {

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -27,6 +28,10 @@ struct FrameRequest {
 // the passes are not culled.
 graph::FrameResult run_frame(passes::Renderer& renderer, passes::FrameView& view, const passes::FrameSettings& settings,
                              const FrameRequest& request);
+
+// The samples of one pixel, which costs a frame; nothing where the technique does not tell them.
+std::optional<passes::Inspection> inspect_pixel(passes::Renderer& renderer, passes::FrameView view,
+                                                const passes::FrameSettings& settings, glm::uvec2 pixel);
 
 // Those of the layers that this frame has: a technique may lack some.
 std::vector<const passes::Aov*> layers_given(passes::Renderer& renderer, const passes::FrameView& view,
