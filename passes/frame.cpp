@@ -76,7 +76,7 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const graph::
   lighting_ = create_lighting(*pipelines_, environment_.any());
   blend_ = create_blend(*pipelines_, *tables_, environment_.any());
   gi_ = std::make_unique<GiPipelines>(*pipelines_);
-  noise_ = std::make_unique<Noise>(device, cache);
+  noise_ = std::make_unique<Noise>(device);
   aovs_ = create_aovs(*pipelines_, environment_.any());
   accumulate_ = create_accumulate(*pipelines_);
   for (const Aov& aov : aovs()) mean_names_.push_back(fmt::format("{}.mean", *aov.name ? aov.name : "final"));

@@ -2,24 +2,21 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <vector>
 
 #include "graph/graph.h"
 
 namespace nf::passes {
 
-constexpr uint32_t noise_side = 64, noise_frames = 16;
+constexpr uint32_t noise_side = 64;
 
-// Texels of noise_side x (noise_side * (1 + noise_frames)): blue noise, then the frames of spatio-temporal blue noise.
-// A texel holds three numbers of 10 bits, the same array read at three places far apart. Always the same; takes 0.3 s.
+// noise_side x noise_side texels of blue noise, three numbers of 10 bits each: the same array read at three places far
+// apart. Always the same.
 std::vector<uint32_t> make_noise_table();
-// The same from a file in `cache`, which is written if need be. An empty `cache` keeps nothing.
-std::vector<uint32_t> load_noise_table(const std::filesystem::path& cache);
 
 class Noise {
  public:
-  Noise(gpu::Device& device, std::filesystem::path cache) : device_(device), cache_(std::move(cache)) {}
+  explicit Noise(gpu::Device& device) : device_(device) {}
   ~Noise();
   Noise(const Noise&) = delete;
   Noise& operator=(const Noise&) = delete;
@@ -29,7 +26,6 @@ class Noise {
 
  private:
   gpu::Device& device_;
-  std::filesystem::path cache_;
   gpu::Image image_;
 };
 

@@ -33,7 +33,7 @@ void main() {
   imageStore(target, p, vec4(sampling_noise(p, FRAME, 9u), 0.0));
 }
 )"}});
-  noise_ = std::make_unique<passes::Noise>(device(), std::filesystem::path());
+  noise_ = std::make_unique<passes::Noise>(device());
   const std::vector<uint32_t> table = passes::make_noise_table();
   auto texel = [&](ivec2 at) { return table[size_t(at.y) * 64 + size_t(at.x)]; };
   const std::function<vec3(ivec2, uint32_t)> host[] = {
@@ -41,7 +41,7 @@ void main() {
       [](ivec2 p, uint32_t frame) { return twin::noise_ign(p, frame, 9); },
       [](ivec2 p, uint32_t frame) { return twin::noise_4x4(p, frame, 9); },
       [&](ivec2 p, uint32_t frame) { return twin::noise_blue(texel(twin::blue_texel(p)), frame, 9); },
-      [&](ivec2 p, uint32_t frame) { return twin::noise_stbn(texel(twin::stbn_texel(p, frame)), frame, 9); },
+      [&](ivec2 p, uint32_t frame) { return twin::noise_stbn(texel(twin::blue_texel(p)), frame, 9); },
       [](ivec2 p, uint32_t frame) { return twin::noise_white(p, frame, 9); }};
   for (size_t kind = 0; kind < std::size(host); ++kind) {
     for (const uint32_t frame : {37u, 0xFFFFFFF0u}) {

@@ -9,7 +9,7 @@
 namespace nf::image {
 namespace {
 
-constexpr double sigma = 1.9;        // points, in space and in time
+constexpr double sigma = 1.9;        // points
 constexpr uint32_t unit = 1u << 20;  // energy of a point at itself
 constexpr uint32_t never = 0xffffffff;
 
@@ -24,30 +24,19 @@ int64_t wrapped(uint32_t distance, uint32_t length) {
 
 class Field {
  public:
-  Field(uint32_t side, uint32_t slices)
-      : side_(side),
-        slices_(slices),
-        energy_(size_t(side) * side * slices),
-        set_(energy_.size()),
-        rows_(side * slices) {
+  explicit Field(uint32_t side) : side_(side), energy_(size_t(side) * side), set_(energy_.size()), rows_(side) {
     for (uint32_t y = 0; y < side; ++y)
       for (uint32_t x = 0; x < side; ++x)
         if (const uint32_t e = gaussian(wrapped(x, side) * wrapped(x, side) + wrapped(y, side) * wrapped(y, side)))
           kernel_.push_back({x, y, e});
-    for (uint32_t t = 1; t < slices; ++t) times_.push_back(gaussian(wrapped(t, slices) * wrapped(t, slices)));
   }
 
   void put(uint32_t at, bool on) {
     set_[at] = on;
-    const uint32_t x = at % side_, y = at / side_ % side_, slice = at / (side_ * side_);
+    const uint32_t x = at % side_, y = at / side_;
     for (const Tap& tap : kernel_) {
-      const uint32_t row = slice * side_ + (y + tap.y) % side_;
+      const uint32_t row = (y + tap.y) % side_;
       add(row * side_ + (x + tap.x) % side_, on, tap.energy);
-      rows_[row].stale = true;
-    }
-    for (uint32_t t = 1; t < slices_; ++t) {
-      const uint32_t row = (slice + t) % slices_ * side_ + y;
-      add(row * side_ + x, on, times_[t - 1]);
       rows_[row].stale = true;
     }
   }
@@ -94,19 +83,18 @@ class Field {
     return at;
   }
 
-  uint32_t side_, slices_;
+  uint32_t side_;
   std::vector<uint32_t> energy_;
   std::vector<uint32_t> set_;
   std::vector<Row> rows_;
   bool rows_of_set_ = false;
   std::vector<Tap> kernel_;
-  std::vector<uint32_t> times_;
 };
 
 }  // namespace
 
-std::vector<uint32_t> void_and_cluster(uint32_t side, uint32_t slices, uint32_t seed) {
-  Field field(side, slices);
+std::vector<uint32_t> void_and_cluster(uint32_t side, uint32_t seed) {
+  Field field(side);
   const uint32_t count = field.size(), first = count / 10;
   std::mt19937 random(seed);
   for (uint32_t placed = 0; placed < first;)

@@ -20,7 +20,7 @@
   P(Bool, step_jitter, 1, 0, 1, "", "Jitter the samples along the slice, else take the middle of each interval")      \
   P(Choice, noise, 0, 0, 5, "hilbert_r2|ign|4x4|blue|stbn|white",                                                     \
     "Sampling noise (shaders/common/noise.glsl): a Kronecker sequence along a Hilbert curve, interleaved gradient, "  \
-    "ordered, blue, blue in time too, none of these")                                                                 \
+    "ordered, blue, blue with Sobol's sequence in time, none of these")                                               \
   P(Choice, thickness_mode, 0, 0, 3, "constant|linear|angular|infinite",                                              \
     "What is behind a sample: thickness metres; so many for each metre of its depth; thickness_angle; all there is")  \
   P(Float, thickness, 0.2f, 0.0f, 100.0f, "m", "Assumed depth of what is seen")                                       \

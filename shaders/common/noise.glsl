@@ -1,5 +1,6 @@
 // Sampling noise per pixel and frame. A kind of noise is a pattern of three numbers per pixel, and every frame turns all
-// pixels by the same step (Roberts 2018, generalised golden ratios), so that the mean over frames converges whatever the kind.
+// pixels by the same step (Roberts 2018, generalised golden ratios), so that the mean over frames converges whatever the kind;
+// but of white noise, and of stbn.
 // Integer arithmetic, so the same on every device. Compiles as GLSL and C++; shaders choose the kind by defining NOISE_KIND, and
 // include common/noise_table.glsl first.
 #ifndef NF_COMMON_NOISE_GLSL
@@ -89,23 +90,39 @@ vec3 noise_white(ivec2 pixel, uint frame_index, uint seed) {
   return vec3(unit_float(x), unit_float(y), unit_float(hash_uint(y ^ 0x3C6EF372u)));
 }
 
-// --- noise from a table (passes/noise.h): 64 x 64 texels of blue noise, below it 16 frames of spatio-temporal blue noise ---
-
-const uint NOISE_FRAMES = 16u;
+// --- noise from a table (passes/noise.h): 64 x 64 texels of blue noise ---
 
 ivec2 blue_texel(ivec2 pixel) { return ivec2(pixel.x & 63, pixel.y & 63); }
-ivec2 stbn_texel(ivec2 pixel, uint frame_index) {
-  return ivec2(pixel.x & 63, (pixel.y & 63) + 64 * (1 + int(frame_index % NOISE_FRAMES)));
+
+// One of the three numbers of 10 bits, in units of 2^-32.
+uint table_number(uint texel, int i) { return ((texel >> uint(10 * i)) << 22) + (1u << 21); }
+
+vec3 noise_blue(uint texel, uint frame_index, uint seed) {
+  return turned(table_number(texel, 0), table_number(texel, 1), table_number(texel, 2), frame_index, seed);
 }
 
-// Three numbers of 10 bits.
-vec3 table_noise(uint texel, uint turns, uint seed) {
-  uint middle = 1u << 21;
-  return turned((texel << 22) + middle, ((texel >> 10) << 22) + middle, ((texel >> 20) << 22) + middle, turns, seed);
+// Spatio-temporal: blue in every frame, and over the frames each pixel runs through the first three dimensions of Sobol's sequence (Joe and Kuo
+// 2008), scrambled by its own number (a digital shift). The mean of 2^k frames has one of every 2^-k in each dimension, and exchanging
+// halves, quarters and so on of a blue pattern leaves more of its blue than turning it.
+vec3 noise_stbn(uint texel, uint frame_index, uint seed) {
+  uint y = 0u;
+  uint z = 0u;
+  uint direction_y = 0x80000000u;
+  uint direction_z = 0x80000000u;
+  uint next_z = 0xC0000000u;
+  for (uint bits = frame_index; bits != 0u; bits >>= 1) {
+    uint chosen = 0u - (bits & 1u);
+    y ^= direction_y & chosen;
+    z ^= direction_z & chosen;
+    direction_y ^= direction_y >> 1;
+    uint after_next = direction_z ^ (direction_z >> 2) ^ next_z;
+    direction_z = next_z;
+    next_z = after_next;
+  }
+  return vec3(unit_float(table_number(texel, 0) ^ uint(bitfieldReverse(frame_index)) ^ hash_uint(seed)),
+              unit_float(table_number(texel, 1) ^ y ^ hash_uint(seed + 0x9E3779B9u)),
+              unit_float(table_number(texel, 2) ^ z ^ hash_uint(seed + 0x3C6EF372u)));
 }
-vec3 noise_blue(uint texel, uint frame_index, uint seed) { return table_noise(texel, frame_index, seed); }
-// The table has the frames; only whole runs through it are turned.
-vec3 noise_stbn(uint texel, uint frame_index, uint seed) { return table_noise(texel, frame_index / NOISE_FRAMES, seed); }
 
 // x: rotation of the slices, y: step jitter, z: sector jitter; each uniform in [0, 1), independent of the others.
 vec3 sampling_noise(ivec2 pixel, uint frame_index, uint seed) {
@@ -118,7 +135,7 @@ vec3 sampling_noise(ivec2 pixel, uint frame_index, uint seed) {
 #elif NOISE_KIND == NOISE_BLUE
   return noise_blue(FETCH_NOISE(blue_texel(pixel)), frame_index, seed);
 #elif NOISE_KIND == NOISE_STBN
-  return noise_stbn(FETCH_NOISE(stbn_texel(pixel, frame_index)), frame_index, seed);
+  return noise_stbn(FETCH_NOISE(blue_texel(pixel)), frame_index, seed);
 #else
   return noise_white(pixel, frame_index, seed);
 #endif
