@@ -58,6 +58,16 @@ TEST_F(CliEvaluateTest, TableAndItsParts) {
     EXPECT_TRUE(none["absent"].contains(id)) << id;
   }
   EXPECT_EQ(none["ms"]["technique"], 0.0);
+  // What each of the samples did, told by the shader itself.
+  EXPECT_TRUE(none["samples"].is_null());
+  const json& samples = vbgi["samples"];
+  const int pixels = samples["pixels"];  // of 64 those that see something
+  EXPECT_GT(pixels, 16);
+  EXPECT_LE(pixels, 64);
+  EXPECT_EQ(samples["samples"], pixels * 2 * 16);  // gi.steps on each side of one slice
+  EXPECT_GT(samples["counted"].get<double>(), 0.01);
+  EXPECT_GT(samples["nothing new"].get<double>(), 0.01);
+  EXPECT_NEAR(samples["idle"].get<double>() + samples["counted"].get<double>(), 1, 1e-9);
   EXPECT_GT(vbgi["ms"]["technique"].get<double>(), 0);
   EXPECT_LE(vbgi["ms"]["technique"].get<double>(), vbgi["ms"]["frame"].get<double>());
   for (const char* id : {"visibility", "gi_1", "gi_n", "ambient"}) {
