@@ -452,7 +452,7 @@ void App::frame() {
 void App::pace(double started) {
   const double since_input = e_.now - e_.last_input;
   const bool busy = !worker_->idle() || !e_.toasts.empty() || e_.viewport.compare == CompareMode::Blink ||
-                    e_.now - e_.green_flash < 2;
+                    e_.slices.playing || e_.now - e_.green_flash < 2;
   const double period = since_input < 0.5 || script_ ? 1.0 / 60 : busy ? 1.0 / 30 : 0.25;
   const double left = period - (clock() - started);
   if (window_)

@@ -39,6 +39,19 @@ void step_sample(Editor& editor, int by) {
   s.shown = std::clamp(now + by, 0, count);
 }
 
+void play_samples(Editor& editor, double now) {
+  constexpr double seconds = 0.25;
+  SliceView& s = editor.slices;
+  if (!s.playing || !s.on || !s.seen || s.seen->data.slices.empty() || now < s.next_step) return;
+  s.next_step = now + seconds;
+  if (s.shown >= int(samples_of(s.seen->data, s.slice).size())) {
+    step_slice(editor, 1);
+    s.shown = 0;
+  } else {
+    s.shown = std::max(s.shown, 0) + 1;
+  }
+}
+
 std::vector<size_t> samples_of(const passes::Inspection& inspection, int slice) {
   std::vector<size_t> rows;
   for (size_t i = 0; i < inspection.samples.size(); ++i)

@@ -17,6 +17,8 @@ struct SliceView {
   bool on = false, frozen = false;
   bool fan = true;            // slices drawn into the picture, too
   int slice = 0, shown = -1;  // samples of the slice that are shown, in their order; -1: all
+  bool playing = false;       // a sample after the other, then the next slice
+  double next_step = 0;       // seconds, ImGui::GetTime()
   DotColor color = DotColor::Contribution;
   std::optional<live::Inspected> seen;
   bool save_asked = false;
@@ -26,6 +28,8 @@ struct Editor;
 // Another slice; more or fewer of its samples. Does nothing while no pixel is taken apart.
 void step_slice(Editor& editor, int by);
 void step_sample(Editor& editor, int by);
+// While playing: a sample more whenever it is time, and round all slices.
+void play_samples(Editor& editor, double now);
 
 // Rows of `inspection.samples` that are of a slice, in their order.
 std::vector<size_t> samples_of(const passes::Inspection& inspection, int slice);

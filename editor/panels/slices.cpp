@@ -154,13 +154,14 @@ void draw_half_disc(Editor& editor, const Inspection& in, const std::vector<size
   list->AddLine(middle, at(gamma, radius), IM_COL32(120, 190, 255, 255), 1.5f);
   list->AddText(at(gamma, inner * 0.5f), IM_COL32(120, 190, 255, 255), "eye");
   list->AddLine(middle, at(0, inner), IM_COL32(140, 230, 140, 255), 1.5f);
+  const auto place = [&](float x, float y) {
+    const float out = inner * 0.95f * std::sqrt(std::min(std::hypot(x, y) / std::max(in.radius, 1e-6f), 1.0f));
+    return at(std::clamp(std::atan2(x, y), -pi / 2, pi / 2), out);
+  };
   for (size_t i = 0; i < rows.size(); ++i) {
     const InspectedSample& sample = in.samples[rows[i]];
     if (sample.depth <= 0 || (s.shown >= 0 && int(i) >= s.shown)) continue;
-    const float x = glm::dot(sample.towards, slice.tangent), y = glm::dot(sample.towards, slice.normal);
-    const float theta = std::clamp(std::atan2(x, y), -pi / 2, pi / 2);
-    const float out = inner * 0.95f * std::sqrt(std::min(std::hypot(x, y) / std::max(in.radius, 1e-6f), 1.0f));
-    const ImVec2 p = at(theta, out);
+    const ImVec2 p = place(glm::dot(sample.towards, slice.tangent), glm::dot(sample.towards, slice.normal));
     draw_dot(list, p, line * 0.17f, sample, s);
     if (int(i) == last) list->AddCircle(p, line * 0.4f, fresh_edge, 0, 2);
     if (hovered && std::hypot(mouse.x - p.x, mouse.y - p.y) < line * 0.35f) hovered_sample = int(i);
@@ -172,6 +173,19 @@ void draw_half_disc(Editor& editor, const Inspection& in, const std::vector<size
     list->PathClear();
     list->PathArcTo(middle, inner * 0.97f, a - pi / 2, b - pi / 2, 24);
     list->PathStroke(fresh_edge, 0, 3);
+    // Lines to its front and its back, and between them what it is taken to be thick, along its own line of sight.
+    const glm::vec3 ray = glm::normalize(in.ray * in.depth + sample.towards);
+    const float theta = angle_at(slice, sample.back), x = glm::dot(sample.towards, slice.tangent),
+                y = glm::dot(sample.towards, slice.normal), dx = glm::dot(ray, slice.tangent),
+                dy = glm::dot(ray, slice.normal);
+    const float behind = (x * std::cos(theta) - y * std::sin(theta)) / (dy * std::sin(theta) - dx * std::cos(theta));
+    if (sample.depth > 0) list->AddLine(middle, place(x, y), fresh_edge, 1);
+    if (sample.depth > 0 && sample.front != sample.back && behind > 0 && behind < in.radius) {
+      const ImVec2 back = place(x + behind * dx, y + behind * dy);
+      list->AddLine(middle, back, faint, 1);
+      list->AddLine(place(x, y), back, fresh_edge, 2);
+      ui::note("slices.thickness", fmt::format("{:.4f}", behind));
+    }
   }
   ui::note("slices.disc", fmt::format("{}", wedges.size()));
   if (hovered_sample >= 0) ImGui::SetTooltip("%s", describe(in, in.samples[rows[size_t(hovered_sample)]]).c_str());
@@ -335,6 +349,7 @@ void draw_slices_panel(Editor& editor) {
   if (ui::button("slices.save", "Export JSON", "All records, into captures/")) s.save_asked = true;
   ImGui::SetNextItemWidth(line * 8);
   if (in.slices.size() > 1) ui::slider_int("slices.slice", slice_word(in), s.slice, 0, int(in.slices.size()) - 1);
+  play_samples(editor, ImGui::GetTime());
   const std::vector<size_t> rows = samples_of(in, s.slice);
   s.shown = std::min(s.shown, int(rows.size()));
   if (ui::button("slices.first", "none", "No sample yet")) s.shown = 0;
@@ -343,7 +358,10 @@ void draw_slices_panel(Editor& editor) {
   ImGui::SameLine();
   if (ui::button("slices.more", ">", "One sample more (up)")) step_sample(editor, 1);
   ImGui::SameLine();
-  if (ui::button("slices.all", "all", "Every sample of the slice")) s.shown = -1;
+  if (ui::button("slices.all", "all", "Every sample of the slice")) s.shown = -1, s.playing = false;
+  ImGui::SameLine();
+  ui::checkbox("slices.play", "play", s.playing,
+               "A sample after the other, then the next slice round the line of sight");
   ImGui::SameLine();
   const int shown = s.shown < 0 ? int(rows.size()) : s.shown;
   ImGui::Text("sample %d of %zu", shown, rows.size());
