@@ -13,6 +13,8 @@ using nlohmann::json;
 
 Preset read_preset(const std::filesystem::path& path) {
   const std::string file = path.string();
+  if (std::filesystem::is_directory(path))
+    fail(Exit::Input, "cannot read the preset '{}': it is a folder; name one of its files", file);
   std::ifstream in(path);
   if (!in) fail(Exit::Input, "cannot read the preset '{}': no such file", file);
   json document;
