@@ -95,6 +95,7 @@ class App {
   void open_file(const std::string& path);
   void ask();
   void serve();
+  void keep_settings();
   void on_input(const ui::InputEvent& event);
   void pace(double started);
   double clock() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -140,8 +141,11 @@ void App::open() {
                                          screenshot_ = path;
                                          screenshot_part_ = part;
                                        },
-                                       [this] {
-                                         e_.outbox.push_back({live::CommandKind::LoseDevice, {}, {}, {}});
+                                       [this](const std::string& whose) {
+                                         if (whose == "window")
+                                           device_->pretend_lost(gpu::Device::Loss::AtPicture);
+                                         else
+                                           e_.outbox.push_back({live::CommandKind::LoseDevice, {}, {}, {}});
                                        },
                                        [this] { e_.quit = true; }});
   // A script's two clicks are a double click however slow the frames are.
@@ -195,6 +199,7 @@ void App::open_device() {
   device_ = std::make_unique<gpu::Device>(device_options_);
   const bool shared = o_.sharing == "shared" || (o_.sharing == "auto" && !device_->facts.software);
   if (shared) handover_ = std::make_unique<live::Handover>(*device_);
+  ++e_.window_devices;
   e_.shared_queues = shared ? device_->queues : 0;
 }
 
@@ -376,8 +381,12 @@ void App::serve() {
   if (std::exchange(e_.fullscreen_asked, false) && window_) window_->toggle_fullscreen();
   if (e_.now - kept_at_ > 5) {
     kept_at_ = e_.now;
-    if (const std::string problem = save_settings(e_); !problem.empty()) log::warn("{}", problem);
+    keep_settings();
   }
+}
+
+void App::keep_settings() {
+  if (const std::string problem = save_settings(e_); !problem.empty()) log::warn("{}", problem);
 }
 
 void App::on_input(const ui::InputEvent& event) {
@@ -487,11 +496,16 @@ int App::run() {
     } catch (const Error& error) {
       if (error.exit() != Exit::Gpu || ++lost_in_a_row > 3) throw;
       log::error("{}", error.what());
-      reopen(error.what());
+      try {
+        reopen(error.what());
+      } catch (...) {
+        keep_settings();  // without a device there is no window, but nothing is lost
+        throw;
+      }
     }
     pace(started);
   }
-  if (const std::string problem = save_settings(e_); !problem.empty()) log::warn("{}", problem);
+  keep_settings();
   uint64_t messages = messages_ + worker_->messages();
   refiner_.reset();
   worker_.reset();

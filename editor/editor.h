@@ -168,8 +168,9 @@ struct Editor {
   uint32_t settled = 0;
   double scene_time = 0;
   float scene_ms = 0, ui_ms = 0;
-  uint64_t host_bytes = 0;     // that the last frame copied to the host
-  uint32_t shared_queues = 0;  // of the device that window and renderer share; 0: each has its own
+  uint64_t host_bytes = 0;      // that the last frame copied to the host
+  uint32_t shared_queues = 0;   // of the device that window and renderer share; 0: each has its own
+  uint32_t window_devices = 0;  // that were opened: 1, and one more for each that was lost
   // The interface's own frames: what they cost, and from one to the next, in milliseconds.
   std::deque<float> ui_history, ui_periods;
 

@@ -1,7 +1,6 @@
 // Reading is strict, as everywhere: a mistyped key would silently give another picture.
 #include "preset.h"
 
-#include <fstream>
 #include <limits>
 
 #include "core/error.h"
@@ -13,13 +12,9 @@ using nlohmann::json;
 
 Preset read_preset(const std::filesystem::path& path) {
   const std::string file = path.string();
-  if (std::filesystem::is_directory(path))
-    fail(Exit::Input, "cannot read the preset '{}': it is a folder; name one of its files", file);
-  std::ifstream in(path);
-  if (!in) fail(Exit::Input, "cannot read the preset '{}': no such file", file);
   json document;
   try {
-    document = json::parse(in);
+    document = json::parse(image::read_file(path));
   } catch (const json::exception& e) {
     fail(Exit::Input, "cannot read the preset '{}': it is not JSON: {}", file, e.what());
   }

@@ -66,6 +66,7 @@ json make_state(Editor& e, bool idle) {
                                                       : "floats"},
           {"host_bytes", e.host_bytes},
           {"shared_queues", e.shared_queues},
+          {"window_devices", e.window_devices},
           {"camera",
            {{"position", {camera.position.x, camera.position.y, camera.position.z}},
             {"forward", {camera.forward.x, camera.forward.y, camera.forward.z}}}},

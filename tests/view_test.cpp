@@ -230,7 +230,7 @@ TEST(View, SelectsCamerasByNameAndNumber) {
 TEST(View, ErrorsNameThePathOfTheProblem) {
   const std::string camera = R"("position": [0,1,3], "target": [0,1,0])";
   const std::vector<std::pair<std::string, const char*>> table = {
-      {"", "readable file with content"},
+      {"", "not valid JSON at byte 1"},
       {"{", "not valid JSON"},
       {"[]", "must be an object"},
       {R"({"camera": {)" + camera + R"(, "fov": 60}})", "unknown key 'camera.fov'"},

@@ -1,7 +1,7 @@
 // Reading a sweep's specification. Strict: a mistyped key would otherwise measure something else for hours.
 #include <algorithm>
-#include <fstream>
 
+#include "image/file.h"
 #include "sweep/sweep.h"
 
 namespace nf::editor {
@@ -213,9 +213,7 @@ SweepSpec parse_sweep(const json& document, const fs::path& folder, const std::s
 }
 
 SweepSpec read_sweep(const fs::path& file) {
-  std::ifstream in(file);
-  if (!in) fail(Exit::Input, "cannot read the sweep '{}': no such file", file.string());
-  const json document = json::parse(in, nullptr, false);
+  const json document = json::parse(image::read_file(file), nullptr, false);
   if (document.is_discarded()) fail(Exit::Input, "bad sweep '{}': it is not JSON", file.string());
   return parse_sweep(document, fs::absolute(file).parent_path(), file.string());
 }

@@ -223,7 +223,7 @@ bool Script::run(const json& line, const json& state, InputQueue& input, double)
     }
     return host_.screenshot(line.at("screenshot"), part), true;
   }
-  if (line.contains("lose_device")) return host_.lose_device(), true;
+  if (line.contains("lose_device")) return host_.lose_device(line.at("lose_device")), true;
   if (line.contains("quit")) return host_.quit(), true;
   if (line.contains("edit")) {
     const std::string file = line.at("edit"), from = line.at("replace").at(0), to = line.at("replace").at(1);

@@ -11,7 +11,7 @@
 //   {"drop": path}, {"resize": [w, h]}, {"display_scale": 2}
 //   {"screenshot": path}                      "of": only what is within this widget
 //   {"edit": path, "replace": [from, to]}     changes a file, as another program would
-//   {"lose_device": true}, {"quit": true}
+//   {"lose_device": "renderer"}, {"lose_device": "window"}, {"quit": true}
 //
 // Conditions are `path op value`, joined by `&&`; a path's parts are keys of the state, which may hold dots.
 #pragma once
@@ -36,7 +36,8 @@ class Script {
   // What the script asks of the program besides input.
   struct Host {
     std::function<void(const std::string& path, glm::ivec4 part)> screenshot;  // x, y, width, height
-    std::function<void()> lose_device, quit;
+    std::function<void(const std::string& whose)> lose_device;
+    std::function<void()> quit;
   };
   // Throws nf::Error (Exit::Input) naming the line that is wrong.
   Script(const std::string& path, Host host);

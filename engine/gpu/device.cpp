@@ -269,7 +269,8 @@ void check(VkResult result, const char* call, const char* file, int line) {
   check_failed(call, result_name(result), file, line);
 }
 
-Device::Device(const DeviceOptions& options) : validation(options.validation) {
+Device::Device(const DeviceOptions& options) {
+  validation = options.validation;
   instance = create_instance(validation, options.window_extensions);
   const auto physicals = enumerate(instance);
   std::vector<DeviceInfo> infos;
@@ -341,7 +342,7 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
       vkGetInstanceProcAddr(instance, "vkSetDebugUtilsObjectNameEXT"));
 
   if (calibrated)
-    get_clocks_ =
+    get_clocks =
         reinterpret_cast<PFN_vkGetCalibratedTimestampsEXT>(vkGetDeviceProcAddr(handle, "vkGetCalibratedTimestampsEXT"));
 
   VkPhysicalDevicePushDescriptorPropertiesKHR push{
@@ -354,30 +355,14 @@ Device::Device(const DeviceOptions& options) : validation(options.validation) {
            .timestamp_period = properties.limits.timestampPeriod,
            .timestamp_mask = bits == 64 ? ~uint64_t{0} : (uint64_t{1} << bits) - 1,
            .pipeline_statistics = available.pipelineStatisticsQuery == VK_TRUE,
-           .calibrated_clock = get_clocks_ != nullptr,
+           .calibrated_clock = get_clocks != nullptr,
            .max_push_descriptors = push.maxPushDescriptors,
            .max_image_layers = properties.limits.maxImageArrayLayers,
            .max_image_size = properties.limits.maxImageDimension2D};
 }
 
 Device::Device(SecondUser second)
-    : instance(second.of.instance),
-      physical(second.of.physical),
-      handle(second.of.handle),
-      queue_family(second.of.queue_family),
-      queues(second.of.queues),
-      properties(second.of.properties),
-      memory(second.of.memory),
-      facts(second.of.facts),
-      info(second.of.info),
-      validation(second.of.validation),
-      push_descriptor_set(second.of.push_descriptor_set),
-      begin_label(second.of.begin_label),
-      end_label(second.of.end_label),
-      set_name(second.of.set_name),
-      owner_(&second.of),
-      queue_(&second.of.own_queues_[queues - 1]),
-      get_clocks_(second.of.get_clocks_) {}
+    : DeviceHandles(second.of), owner_(&second.of), queue_(&second.of.own_queues_[queues - 1]) {}
 
 Device::~Device() {
   if (owner_) {
@@ -406,7 +391,13 @@ void Device::add_message(std::string message) {
 }
 
 VkResult Device::submit(const VkSubmitInfo2& submit, VkFence fence) {
-  if ((owner_ ? owner_ : this)->pretend_lost_) return VK_ERROR_DEVICE_LOST;
+  std::atomic<Loss>& pretended = (owner_ ? owner_ : this)->pretended_;
+  if (pretended == Loss::AtPicture && fence) pretended = Loss::Now;  // only the window's pictures have one
+  if (pretended == Loss::Now) return VK_ERROR_DEVICE_LOST;
+  return submit_although_lost(submit, fence);
+}
+
+VkResult Device::submit_although_lost(const VkSubmitInfo2& submit, VkFence fence) {
   const std::lock_guard lock(queue_->mutex);
   return vkQueueSubmit2(queue_->handle, 1, &submit, fence);
 }
@@ -422,17 +413,17 @@ void Device::wait_idle() const {
   if (result != VK_ERROR_DEVICE_LOST) check(result, "vkQueueWaitIdle", __FILE__, __LINE__);
 }
 
-void Device::pretend_lost() {
-  (owner_ ? owner_ : this)->pretend_lost_ = true;
+void Device::pretend_lost(Loss loss) {
+  (owner_ ? owner_ : this)->pretended_ = loss;
 }
 
 std::optional<ClockPair> Device::clocks() const {
-  if (!get_clocks_) return std::nullopt;
+  if (!get_clocks) return std::nullopt;
   const VkCalibratedTimestampInfoEXT infos[2] = {
       {.sType = VK_STRUCTURE_TYPE_CALIBRATED_TIMESTAMP_INFO_EXT, .timeDomain = VK_TIME_DOMAIN_DEVICE_EXT},
       {.sType = VK_STRUCTURE_TYPE_CALIBRATED_TIMESTAMP_INFO_EXT, .timeDomain = VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT}};
   uint64_t times[2] = {}, deviation = 0;
-  NF_VK(get_clocks_(handle, 2, infos, times, &deviation));
+  NF_VK(get_clocks(handle, 2, infos, times, &deviation));
   return ClockPair{double(times[0]) * double(facts.timestamp_period), double(times[1])};
 }
 

@@ -68,15 +68,8 @@ struct SecondUser {
   Device& of;
 };
 
-struct Device {
-  explicit Device(const DeviceOptions& options);
-  // The same VkDevice for another thread: its counts are its own, so is its queue when there are two. Messages of
-  // validation are common to both, each is taken once; a lost device is lost for both.
-  explicit Device(SecondUser second);
-  ~Device();
-  Device(const Device&) = delete;
-  Device& operator=(const Device&) = delete;
-
+// What is the same for both users of a VkDevice.
+struct DeviceHandles {
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice handle = VK_NULL_HANDLE;
@@ -87,12 +80,23 @@ struct Device {
   DeviceFacts facts;
   DeviceInfo info;
   bool validation = false;
-  DeviceCounts counts;
-
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
   PFN_vkCmdBeginDebugUtilsLabelEXT begin_label = nullptr;
   PFN_vkCmdEndDebugUtilsLabelEXT end_label = nullptr;
   PFN_vkSetDebugUtilsObjectNameEXT set_name = nullptr;
+  PFN_vkGetCalibratedTimestampsEXT get_clocks = nullptr;  // not on every device
+};
+
+struct Device : DeviceHandles {
+  explicit Device(const DeviceOptions& options);
+  // The same VkDevice for another thread: its counts are its own, so is its queue when there are two. Messages of
+  // validation are common to both, each is taken once; a lost device is lost for both.
+  explicit Device(SecondUser second);
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  DeviceCounts counts;
 
   // Validation messages since the last call, and forget them. Any message is a failure.
   std::vector<std::string> take_messages();
@@ -100,10 +104,14 @@ struct Device {
   // To this user's queue, one thread at a time. submit() and present() return what Vulkan does.
   VkResult submit(const VkSubmitInfo2& submit, VkFence fence = VK_NULL_HANDLE);
   VkResult present(const VkPresentInfoKHR& present);
+  // As submit(), but to the driver even where the loss is only pretended: for what has to be tidied up.
+  VkResult submit_although_lost(const VkSubmitInfo2& submit, VkFence fence = VK_NULL_HANDLE);
   // All that was submitted to this user's queue is done. At once when the device is lost: nothing will come of it.
   void wait_idle() const;
-  // Test hook: from now on whatever is submitted, by either user, finds the device lost.
-  void pretend_lost();
+  // Test hook: whatever is submitted, by either user, finds the device lost, from now on or from the window's next picture
+  // on, which meets it with an image of its swapchain in hand.
+  enum class Loss : uint8_t { None, AtPicture, Now };
+  void pretend_lost(Loss loss = Loss::Now);
   // Nothing where the device cannot tell.
   std::optional<ClockPair> clocks() const;
   void name_object(VkObjectType type, uint64_t object, const std::string& name) const;
@@ -112,8 +120,7 @@ struct Device {
   Device* owner_ = nullptr;  // of a second user
   Queue own_queues_[2];      // the owner's
   Queue* queue_ = nullptr;
-  std::atomic<bool> pretend_lost_ = false;  // the owner's
-  PFN_vkGetCalibratedTimestampsEXT get_clocks_ = nullptr;
+  std::atomic<Loss> pretended_ = Loss::None;  // the owner's
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   std::mutex mutex_;
   std::vector<std::string> messages_;

@@ -24,6 +24,13 @@ enum class Use : uint8_t {
 };
 
 enum class PassKind : uint8_t { Compute, Fullscreen, Raster, Copy, Readback, HandOver };
+constexpr bool has_shader(PassKind kind) {
+  return kind == PassKind::Compute || kind == PassKind::Fullscreen || kind == PassKind::Raster;
+}
+// Takes something out of the frame, so it is run whether or not a pass needs it.
+constexpr bool leaves_the_frame(PassKind kind) {
+  return kind == PassKind::Readback || kind == PassKind::HandOver;
+}
 
 // Exact: each use in its own layout. General: everything in VK_IMAGE_LAYOUT_GENERAL, so that only an image's first use
 // in a frame is a transition.

@@ -24,7 +24,7 @@ void find_live_passes(const Graph& graph, Plan& plan) {
     std::vector<bool> needed = next_needed;
     for (size_t i = graph.passes.size(); i-- > 0;) {
       const PassRow& pass = graph.passes[i];
-      bool wanted = live[i] || pass.kind == PassKind::Readback || pass.kind == PassKind::HandOver;
+      bool wanted = live[i] || leaves_the_frame(pass.kind);
       for (const UseRow& use : graph.uses_of(pass)) wanted |= writes(use.use) && needed[use.resource];
       if (!wanted) continue;
       live[i] = true;

@@ -33,7 +33,7 @@ class Validator {
     for (const PassRow& pass : graph_.passes) {
       pass_ = &pass;
       if (!check_handles() || !check_parts()) continue;
-      if (has_shader()) check_slots();
+      if (has_shader(pass_->kind)) check_slots();
       check_lent();
       check_sizes();
       check_conflicts();
@@ -47,9 +47,6 @@ class Validator {
 
  private:
   std::span<const UseRow> uses() const { return graph_.uses_of(*pass_); }
-  bool has_shader() const {
-    return pass_->kind != PassKind::Readback && pass_->kind != PassKind::Copy && pass_->kind != PassKind::HandOver;
-  }
   const ResourceRow& resource(const UseRow& use) const { return graph_.resources[use.resource]; }
   const char* slot_name(const UseRow& use) const {
     if (use.slot) return use.slot;
@@ -204,7 +201,7 @@ class Validator {
       const ImageDesc& desc = resource(use).desc;
       if (use.part != Part{0, desc.mips, 0, desc.layers})
         report(Diagnostic::Kind::SizeMismatch, use, "is an imported image and is sampled as a whole, not in parts");
-      const gpu::Slot* slot = use.slot && has_shader() ? pass_->pipeline.interface->find(use.slot) : nullptr;
+      const gpu::Slot* slot = use.slot && has_shader(pass_->kind) ? pass_->pipeline.interface->find(use.slot) : nullptr;
       if (!slot || slot->kind != gpu::SlotKind::SampledImage || image->whole == whole_view(slot->shape)) continue;
       const bool layers_fit = slot->shape == gpu::SlotShape::Flat   ? desc.layers == 1
                               : slot->shape == gpu::SlotShape::Cube ? desc.layers == 6

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "core/error.h"
+#include "image/file.h"
 #include "scene/path.h"
 #include "scene/text.h"
 
@@ -209,23 +208,14 @@ Environment read_environment(const Reader& reader, const std::filesystem::path& 
 }
 
 json read_json(const std::string& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) {
-    fail(Exit::Input, "cannot read view '{}': no such file; check the path", file);
-  }
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (std::filesystem::is_regular_file(file, error)) text << stream.rdbuf();
-  if (!stream || text.str().empty()) {
-    fail(Exit::Input, "cannot read view '{}': not a readable file with content; check path and rights", file);
-  }
+  const std::vector<uint8_t> text = image::read_file(file);
   // Nesting beyond any real view file would only serve to exhaust the stack.
   const auto depth_limit = [&](int depth, json::parse_event_t, json&) {
     if (depth > 16) fail(Exit::Input, "cannot read view '{}': nested too deeply; see \"View files\"", file);
     return true;
   };
   try {
-    return json::parse(text.str(), depth_limit);
+    return json::parse(text, depth_limit);
   } catch (const json::parse_error& e) {
     fail(Exit::Input, "cannot read view '{}': not valid JSON at byte {}; check commas, quotes and brackets there", file,
          e.byte);

@@ -108,16 +108,32 @@ wait "$editor" || status=$?
 editor=
 [ "$status" -eq 0 ] || { echo "exit code $status"; exit 1; }
 
-echo "one device for window and renderer, resized, lost and opened anew"
-cat >lost.jsonl <<'EOF'
+echo "one device for window and renderer, resized, lost by either and opened anew"
+lost='{"wait": "device_lost == true"}
+{"click": "banner.restart"}
+{"wait": "device_lost == false && picture_kind == image && scene_frames_since_change >= 1"}'
+cat >lost.jsonl <<EOF
 {"wait": "scene_frames >= 1 && picture_kind == image"}
 {"resize": [900, 600]}
 {"wait": "window.0 == 900 && scene_frames_since_change >= 1"}
-{"lose_device": true}
-{"wait": "device_lost == true"}
-{"click": "banner.restart"}
-{"wait": "device_lost == false && picture_kind == image && scene_frames_since_change >= 1"}
+{"lose_device": "renderer"}
+$lost
+{"lose_device": "window"}
+$lost
 EOF
 "$build/nearfield" edit "$build/content/cornell.glb" --window 1280x720 --device-sharing shared --ui-script lost.jsonl --validation >out.log 2>err.log
+if grep -q "validation:" err.log; then exit 1; fi
+
+echo "a device each: the window's is lost, and the renderer goes on"
+cat >lost.jsonl <<'EOF'
+{"wait": "scene_frames >= 1"}
+{"lose_device": "window"}
+{"wait": "window_devices == 2"}
+{"resize": [900, 600]}
+{"wait": "window.0 == 900 && scene_frames_since_change >= 1"}
+{"expect": "device_lost == false && picture_kind == bytes"}
+EOF
+"$build/nearfield" edit "$build/content/cornell.glb" --window 1280x720 --device-sharing separate --ui-script lost.jsonl --validation >out.log 2>err.log
+grep -q "the GPU was lost" err.log
 if grep -q "validation:" err.log; then exit 1; fi
 echo "all well"
