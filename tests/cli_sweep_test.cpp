@@ -48,6 +48,11 @@ TEST_F(SweepTest, MeasuresEveryCellAndAnswersABudget) {
   EXPECT_EQ(ids_of(out("s/cells.jsonl")), five);
   for (const json& cell : lines_of(out("s/cells.jsonl"))) {
     EXPECT_EQ(cell["gpu_ms"]["count"], 2);
+    const double technique = cell["technique_ms"]["median"];
+    if (cell["technique"] == "none")
+      EXPECT_EQ(technique, 0);
+    else
+      EXPECT_TRUE(technique > 0 && technique < cell["gpu_ms"]["median"].get<double>()) << cell["id"];
     EXPECT_GT(cell["errors"]["relmse"], 0) << cell["id"];
     EXPECT_TRUE(std::filesystem::exists(out("s") + "/" + cell["picture"].get<std::string>()));
   }
@@ -74,6 +79,13 @@ TEST_F(SweepTest, MeasuresEveryCellAndAnswersABudget) {
   const json data = json::parse(page.substr(begin, page.find("</script>", begin) - begin));
   EXPECT_EQ(data["sweeps"][0]["cells"].size(), 5u);
   EXPECT_EQ(data["pictures"].size(), 6u);
+}
+
+TEST_F(SweepTest, ATechniquesOwnPassesAreACost) {
+  const Outcome outcome = run({"sweep", spec({1}, {{"cost", "technique"}}), "-o", out("s"), "--budget", "0.0001"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("within 0.0001 ms: none takes 0.000 ms"), std::string::npos) << outcome.out;
+  EXPECT_EQ(run({"sweep", spec({1}, {{"cost", "gpu"}}), "-o", out("t")}).code, 3);
 }
 
 TEST_F(SweepTest, KilledAndResumedItLosesNothing) {

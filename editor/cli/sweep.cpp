@@ -199,7 +199,7 @@ class SweepJob {
   }
 
   void write_csv(const std::vector<json>& cells) const {
-    std::string text = "cell,place,run,technique,median_ms,mad_ms,noisy";
+    std::string text = "cell,place,run,technique,median_ms,mad_ms,technique_ms,technique_mad_ms,noisy";
     for (const image::MetricInfo* metric : spec_.metrics) text += fmt::format(",{}", metric->id);
     text += "\r\n";
     for (const json& cell : cells) {
@@ -207,8 +207,9 @@ class SweepJob {
       const auto number = [](const json& value) {
         return value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : "";
       };
-      text +=
-          number(cell["gpu_ms"]["median"]) + "," + number(cell["gpu_ms"]["mad"]) + "," + (cell["noisy"] ? "1" : "0");
+      for (const char* key : {"gpu_ms", "technique_ms"})
+        text += number(cell[key]["median"]) + "," + number(cell[key]["mad"]) + ",";
+      text += cell["noisy"] ? "1" : "0";
       for (const image::MetricInfo* metric : spec_.metrics)
         text += "," + number(cell["errors"].value(metric->id, json()));
       text += "\r\n";
@@ -226,12 +227,12 @@ class SweepJob {
       for (const json& cell : cells) {
         if (cell["place"] != place.id || !cell["errors"].value(metric, json()).is_number()) continue;
         rows.push_back(&cell);
-        points.push_back({cell["gpu_ms"]["median"].is_number() ? cell["gpu_ms"]["median"].get<double>() : NAN,
-                          cell["errors"][metric]});
+        const json& ms = cost_of(cell)["median"];
+        points.push_back({ms.is_number() ? ms.get<double>() : NAN, cell["errors"][metric]});
         noisy += cell["noisy"].get<bool>();
       }
-      fmt::print("{}: {} cells, {} of them noisy; worth having (median ms, {}):\n", place.id, rows.size(), noisy,
-                 metric);
+      fmt::print("{}: {} cells, {} of them noisy; worth having (median {}, {}):\n", place.id, rows.size(), noisy,
+                 spec_.cost == "gpu_ms" ? "ms" : "ms of the technique's passes", metric);
       for (const size_t i : capture::pareto_front(points))
         fmt::print("  {:10.3f} {:12.6g}  {}\n", points[i].cost, points[i].error,
                    (*rows[i])["setting"].get<std::string>());
@@ -280,7 +281,9 @@ constexpr const char* footer = R"(A specification:
    "repeats": 3, "warmup": 8, "frames": 20, "group": 4, "narrow": {"rounds": 2, "settings": 8},
    "runs": [{"technique": "*", "base": {"material.lambert": true}, "permute": {"gi.slices": [1, 2], "gi.steps": [4, 8]}}]}
 "technique": "*" stands for each there is. "reference" can name a file, with {place}, {scene} or {camera} in it. A cell's
-error is that of one frame behind the timed ones, on the final radiance or on "layer". Each finished cell is a line of
+error is that of one frame behind the timed ones, on the final radiance or on "layer". It is held against the time of the
+frame, or with "cost": "technique" against that of the passes that a frame without a technique does not have: what the
+rest of the frame did meanwhile, on a software or a busy device often more than the technique takes, is not in it. Each finished cell is a line of
 DIR/cells.jsonl; Ctrl-C or a crash loses none, and --resume goes on.
 Examples:
   nearfield sweep spec.json --dry-run

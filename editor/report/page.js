@@ -134,17 +134,20 @@ function ticks(low, high) {
   return out;
 }
 function scatter(sweep, place, metric) {
-  const points = sweep.cells.filter(c => c.place === place && c.errors && typeof c.errors[metric] === 'number' && c.gpu_ms.median > 0)
-    .map(c => ({cell: c, ms: c.gpu_ms.median, error: Math.max(c.errors[metric], 1e-9)}));
-  if (!points.length) return $('scatter').replaceChildren('No cells.');
+  const cost = c => c[c.cost], here = sweep.cells.filter(c => c.place === place && c.errors && typeof c.errors[metric] === 'number' && typeof cost(c).median === 'number');
+  const least = Math.min(...here.map(c => cost(c).median).filter(ms => ms > 0));
+  if (!isFinite(least)) return $('scatter').replaceChildren('No cells.');
+  // What takes no time stands at the left end of the logarithmic axis.
+  const points = here.map(c => ({cell: c, ms: Math.max(cost(c).median, least / 1.5), error: Math.max(c.errors[metric], 1e-9)}));
+  const axis = points[0].cell.cost === 'gpu_ms' ? 'median frame time, ms' : "median time of the technique's passes, ms";
   const front = frontOf(points), width = 960, height = 460, left = 70, bottom = 40;
   const range = values => { const low = Math.min(...values), high = Math.max(...values); return [low / 1.1, high * 1.1]; };
   const [x0, x1] = range(points.map(p => p.ms)), [y0, y1] = range(points.map(p => p.error));
   const X = v => left + (width - left - 150) * Math.log(v / x0) / Math.log(x1 / x0), Y = v => 12 + (height - bottom - 12) * (1 - Math.log(v / y0) / Math.log(y1 / y0));
-  const picture = make('svg:svg', {viewBox: `0 0 ${width} ${height}`, role: 'group', 'aria-label': `Median frame time against ${metric}`});
+  const picture = make('svg:svg', {viewBox: `0 0 ${width} ${height}`, role: 'group', 'aria-label': `${axis} against ${metric}`});
   for (const t of ticks(x0, x1)) picture.append(make('svg:line', {x1: X(t), x2: X(t), y1: 12, y2: height - bottom, class: 'axis', 'stroke-dasharray': '2 4'}), make('svg:text', {x: X(t), y: height - bottom + 16, 'text-anchor': 'middle'}, +t.toPrecision(3)));
   for (const t of ticks(y0, y1)) picture.append(make('svg:line', {x1: left, x2: width - 150, y1: Y(t), y2: Y(t), class: 'axis', 'stroke-dasharray': '2 4'}), make('svg:text', {x: left - 6, y: Y(t) + 4, 'text-anchor': 'end'}, +t.toPrecision(3)));
-  picture.append(make('svg:text', {x: (left + width - 150) / 2, y: height - 6, 'text-anchor': 'middle'}, 'median frame time, ms'), make('svg:text', {x: 4, y: 10}, metric));
+  picture.append(make('svg:text', {x: (left + width - 150) / 2, y: height - 6, 'text-anchor': 'middle'}, axis), make('svg:text', {x: 4, y: 10}, metric));
   let d = '';
   front.forEach((p, i) => { d += i ? `H${X(p.ms)}V${Y(p.error)}` : `M${X(p.ms)} ${Y(p.error)}`; });
   picture.append(make('svg:path', {d, class: 'front'}));
@@ -153,9 +156,9 @@ function scatter(sweep, place, metric) {
     dot.setAttribute('fill', s.color);
     dot.setAttribute('class', front.includes(p) ? 'dot best' : 'dot');
     dot.setAttribute('tabindex', 0);
-    dot.append(make('svg:title', {}, `${p.cell.id}: ${number(p.ms)} ms, ${metric} ${+p.error.toPrecision(4)}`));
+    dot.append(make('svg:title', {}, `${p.cell.id}: ${number(cost(p.cell).median)} ms, ${metric} ${+p.error.toPrecision(4)}`));
     const pick = () => {
-      $('point').replaceChildren(make('strong', {}, p.cell.id), ` ${number(p.ms)} ms (mad ${number(p.cell.gpu_ms.mad)}), ${metric} ${+p.error.toPrecision(4)}${p.cell.noisy ? ', noisy' : ''}`, make('pre', {}, p.cell.command));
+      $('point').replaceChildren(make('strong', {}, p.cell.id), ` ${number(cost(p.cell).median)} ms (mad ${number(cost(p.cell).mad)}), ${metric} ${+p.error.toPrecision(4)}${p.cell.noisy ? ', noisy' : ''}`, make('pre', {}, p.cell.command));
       if (pictureNames.has(p.cell.picture)) { $('picture-b').value = p.cell.picture; wipePictures(); }
     };
     dot.addEventListener('click', pick);
@@ -186,10 +189,10 @@ function fronts() {
   show('front');
 }
 function cells() {
-  const rows = sweeps.flatMap(s => s.cells.map(c => ({cell: c.id, run: c.run, median: c.gpu_ms.median, mad: c.gpu_ms.mad, noisy: c.noisy ? 'noisy' : '', ...c.errors})));
+  const rows = sweeps.flatMap(s => s.cells.map(c => ({cell: c.id, run: c.run, median: c.gpu_ms.median, mad: c.gpu_ms.mad, technique: c.technique_ms.median, 'technique mad': c.technique_ms.mad, noisy: c.noisy ? 'noisy' : '', ...c.errors})));
   if (!rows.length) return;
   const metrics = [...new Set(sweeps.flatMap(s => s.cells.flatMap(c => Object.keys(c.errors || {}))))];
-  table('cell-table', [['cell'], ['run'], ['median'], ['mad'], ...metrics.map(m => [m, 5]), ['noisy']], rows);
+  table('cell-table', [['cell'], ['run'], ['median'], ['mad'], ['technique'], ['technique mad'], ...metrics.map(m => [m, 5]), ['noisy']], rows);
   show('cells');
 }
 

@@ -10,6 +10,10 @@ namespace nf::editor {
 
 using nlohmann::json;
 
+const json& cost_of(const json& cell) {
+  return cell.at(cell.at("cost").get<std::string>());
+}
+
 std::vector<SettingResult> setting_results(const SweepSpec& spec, const std::vector<json>& cells) {
   struct Sum {
     SettingResult result;
@@ -18,7 +22,7 @@ std::vector<SettingResult> setting_results(const SweepSpec& spec, const std::vec
   std::map<std::string, Sum> sums;
   for (const json& cell : cells) {
     if (spec.metrics.empty()) break;
-    const json error = cell["errors"].value(spec.metrics[0]->id, json()), ms = cell["gpu_ms"]["median"];
+    const json error = cell["errors"].value(spec.metrics[0]->id, json()), ms = cost_of(cell)["median"];
     if (!error.is_number() || !ms.is_number()) continue;
     Sum& sum = sums[cell["setting"]];
     sum.result.setting = cell["setting"];

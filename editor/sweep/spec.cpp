@@ -152,7 +152,7 @@ void read_reference(const Reader& reader, const fs::path& folder, SweepSpec& spe
 SweepSpec parse_sweep(const json& document, const fs::path& folder, const std::string& name) {
   const Reader reader(document, "", name);
   reader.expect({"schema", "scene", "scenes", "cameras", "size", "seed", "time", "layer", "reference", "metrics",
-                 "repeats", "warmup", "frames", "block", "group", "timing", "runs", "narrow"});
+                 "repeats", "warmup", "frames", "block", "group", "timing", "cost", "runs", "narrow"});
   if (reader.text("schema") != "nearfield.sweep/1") reader.bad("'schema' must be \"nearfield.sweep/1\"");
   SweepSpec spec;
   read_places(reader, folder, spec);
@@ -175,6 +175,9 @@ SweepSpec parse_sweep(const json& document, const fs::path& folder, const std::s
   const std::string timing = reader.text("timing", "serialize");
   if (timing != "serialize" && timing != "overlap") reader.bad("'timing' must be serialize or overlap");
   spec.measure.timing = parse_timing(timing);
+  const std::string cost = reader.text("cost", "frame");
+  if (cost != "frame" && cost != "technique") reader.bad("'cost' must be frame or technique");
+  if (cost == "technique") spec.cost = "technique_ms";
   if (reader.has("narrow")) {
     const Reader row = reader.child("narrow");
     row.expect({"rounds", "settings"});

@@ -40,6 +40,9 @@ struct SweepSpec {
   uint32_t seed = 1, group = 4;  // cells measured interleaved
   uint32_t narrow_rounds = 0, narrow_settings = 8;
   MeasureOptions measure;
+  // What is held against the error, a key of the cells' JSON: gpu_ms, the whole frame, or technique_ms, the passes that
+  // a frame without a technique does not have.
+  std::string cost = "gpu_ms";
 };
 // Throws nf::Error (Exit::Input) naming the JSON path of what is wrong. Paths in it are relative to the file.
 SweepSpec read_sweep(const std::filesystem::path& file);
@@ -54,6 +57,9 @@ struct SweepCell {
 // Places first, so that a scene is loaded once; no two of one id.
 std::vector<SweepCell> plan_cells(const SweepSpec& spec);
 Subject subject_of(const SweepSpec& spec, const SweepCell& cell);
+
+// The time that the sweep is about: statistics as in nearfield.timing/1.
+const nlohmann::json& cost_of(const nlohmann::json& cell);
 
 // What is done: a line of JSON for each cell, appended when it is finished.
 class SweepStore {

@@ -146,15 +146,34 @@ class PlaceWork {
     for (const SweepCell* cell : cells) subjects.push_back(subject_of(work_.spec, *cell));
     const capture::LoadWatch watch;
     const Measured measured = measure(subjects, work_.spec.measure);
-    if (!measured.complete) return false;
+    std::vector<Subject> without = subjects;
+    for (Subject& subject : without) subject.settings.technique = &passes::find_technique("none");
+    MeasureOptions once = work_.spec.measure;
+    once.warmup = 0, once.frames = once.repeats = 1;
+    const Measured plain = measure(without, once);
+    if (!measured.complete || !plain.complete) return false;
     for (size_t i = 0; i < cells.size(); ++i)
-      store.add(row(*cells[i], subjects[i], measured.runs[i], measured.last[i], watch.load()));
+      store.add(row(*cells[i], subjects[i], measured.runs[i], measured.last[i],
+                    technique_time(measured.runs[i], plain.runs[i]), watch.load()));
     return true;
   }
 
  private:
+  // Of the passes that this frame without its technique, `plain`, does not have.
+  static capture::Statistics technique_time(const capture::Run& run, const capture::Run& plain) {
+    std::set<std::string> others;
+    for (const capture::PassInfo& pass : plain.passes) others.insert(pass.path);
+    std::vector<double> sums;
+    for (const capture::FrameSample& frame : run.frames) {
+      double& sum = sums.emplace_back(0);
+      for (const capture::PassSample& pass : frame.passes)
+        if (!others.count(run.passes[pass.pass].path)) sum += pass.gpu_ms;
+    }
+    return capture::statistics(sums);
+  }
+
   json row(const SweepCell& cell, const Subject& subject, const capture::Run& run, const LastFrame& last,
-           const capture::HostLoad& load) {
+           const capture::Statistics& technique_ms, const capture::HostLoad& load) {
     const SweepSpec& spec = work_.spec;
     const capture::Summary summary = capture::summarise(run);
     const capture::Trust trust = capture::judge(run, summary, circumstances(device_, load, spec.measure));
@@ -184,6 +203,8 @@ class PlaceWork {
             {"size", {spec.size.x, spec.size.y}},
             {"seed", spec.seed},
             {"gpu_ms", capture::to_json(summary.frame.gpu)},
+            {"technique_ms", capture::to_json(technique_ms)},
+            {"cost", spec.cost},
             {"per_repeat_median", summary.frame.per_repeat},
             {"passes", passes},
             {"errors", errors},

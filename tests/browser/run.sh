@@ -20,7 +20,7 @@ mkdir -p "$out"
   --html "$out/bench.html" --json "$out/bench.json" --pictures "$out/pictures" >/dev/null
 cat >"$out/spec.json" <<SPEC
 {"schema": "nearfield.sweep/1", "scene": "$scene", "size": [48, 27], "reference": {"spp": 4}, "repeats": 1, "warmup": 1,
- "frames": 2, "runs": [{"technique": "none"}, {"technique": "vbgi", "permute": {"gi.slices": [1, 4]}}]}
+ "frames": 2, "cost": "technique", "runs": [{"technique": "none"}, {"technique": "vbgi", "permute": {"gi.slices": [1, 4]}}]}
 SPEC
 "$nearfield" sweep "$out/spec.json" -o "$out/sweep" --quiet >/dev/null
 "$nearfield" report "$out/bench.json" "$out/sweep" -o "$out/both.html" >/dev/null
