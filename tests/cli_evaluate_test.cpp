@@ -133,6 +133,62 @@ TEST_F(CliEvaluateTest, Bounces) {
   EXPECT_NE(none["absent"]["gi_n"].get<std::string>().find("--bounces"), std::string::npos);
 }
 
+// A technique at fewer pixels: full resolution is what there is without asking, and fewer pixels see less of fine
+// detail than random rays through the same depth do.
+TEST_F(CliEvaluateTest, Resolutions) {
+  const auto measure = [&](const std::string& name, const Words& more) {
+    Words all = {"evaluate",
+                 NF_BINARY_DIR "/content/fence.glb",
+                 "--size",
+                 "48x27",
+                 "--spp",
+                 "8",
+                 "--frames",
+                 "8",
+                 "--timed",
+                 "1",
+                 "-o",
+                 out(name),
+                 "--quiet",
+                 "--references",
+                 out("references"),
+                 "--techniques",
+                 "vbgi",
+                 "--bounces",
+                 "2",
+                 "--set",
+                 "shadow.resolution=256",
+                 "--no-pictures",
+                 "--markdown",
+                 out(name + ".md")};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome o = run(all);
+    EXPECT_EQ(o.code, 0) << o.err;
+    return table(name)["rows"];
+  };
+  const json rows = measure("modes", {"--resolutions", "full,half"}),
+             plain = measure("plain", {"--set", "resolution.gi=quarter"});
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(plain[0]["quantities"], rows[0]["quantities"]) << "the parameter alone does nothing";
+  EXPECT_EQ(rows[1]["contender"], "vbgi@half");
+  EXPECT_EQ(rows[1]["params"]["resolution.gi"], "half");
+  const auto error = [&](size_t row, const char* of, const char* part) {
+    return rows[row]["quantities"][of][part]["rmse"].get<double>();
+  };
+  EXPECT_GT(error(1, "visibility", "estimator"), 1.3 * error(0, "visibility", "estimator"));
+  for (const char* of : {"visibility", "gi_1", "gi_n"}) EXPECT_NE(error(1, of, "total"), error(0, of, "total")) << of;
+  const std::string page = bytes_of(folder / "modes.md");
+  EXPECT_NE(page.find("## Resolutions"), std::string::npos);
+  EXPECT_NE(page.find(fmt::format("| {:.4f} ({:.2f}) |", error(1, "visibility", "estimator"),
+                                  error(1, "visibility", "estimator") / error(0, "visibility", "estimator"))),
+            std::string::npos)
+      << page;
+  EXPECT_EQ(bytes_of(folder / "plain.md").find("## Resolutions"), std::string::npos);
+
+  EXPECT_EQ(run(words("bad", {"--resolutions", "third"})).code, 2);
+  EXPECT_EQ(run(words("bad", {"--resolutions", "half", "--temporal"})).code, 2);
+}
+
 // Figures of papers from a data file: each variant measured as a cell, its page, and a strip of pictures.
 TEST_F(CliEvaluateTest, Figures) {
   const std::string text = R"({"schema": "nearfield.paper_figures/1", "not_made": ["the rest"], "figures": [

@@ -128,8 +128,9 @@ class EvaluateJob {
     if (o_.scenes.size() != 1 || !fs::is_directory(o_.scenes[0]))
       fail(Exit::Usage, "--presets {} has scenes of its own: give the folder they are in, e.g. build/release/content",
            o_.presets);
-    if (!o_.sets.empty() || o_.techniques != "all")
-      fail(Exit::Usage, "--presets {} has its own settings: leave --techniques and --set away", o_.presets);
+    if (!o_.sets.empty() || o_.techniques != "all" || !o_.resolutions.empty())
+      fail(Exit::Usage, "--presets {} has its own settings: leave --techniques, --resolutions and --set away",
+           o_.presets);
     const fs::path page = o_.markdown.empty() ? folder_ / "figures.md" : fs::path(o_.markdown),
                    pictures = page.parent_path() / "pictures" / "figures",
                    references = o_.references.empty() ? folder_ / "references" : fs::path(o_.references);
@@ -153,6 +154,9 @@ class EvaluateJob {
   }
 
   int run_temporal(const std::vector<Place>& places) {
+    if (!o_.resolutions.empty())
+      fail(Exit::Usage, "--resolutions is of errors; with --temporal choose one by --set resolution.gi={}",
+           o_.resolutions.substr(0, o_.resolutions.find(',')));
     const std::vector<Contender> contenders = parse_contenders(o_);
     const TemporalLengths lengths = temporal_lengths(o_);
     make_folder(folder_);
@@ -222,6 +226,10 @@ Command add_evaluate(CLI::App& parent) {
          "Preset files, and `default`; one that names a technique is taken with that only. figures: the papers' "
          "figures as numbers, of the scenes in the folder SCENE")
       ->type_name("LIST");
+  app->add_option("--resolutions", state->resolutions,
+                  "Measure each technique at these: all, or modes of resolution.gi such as full,half; each with its "
+                  "upsampling and no other stage of the reconstruction")
+      ->type_name("LIST");
   app->add_option("-o,--output", state->folder, "Folder for tables, pictures and references")
       ->type_name("DIR")
       ->capture_default_str();
@@ -254,10 +262,11 @@ Command add_evaluate(CLI::App& parent) {
   app->footer(
       "Errors are total = estimator + missing: the technique's own, against a perfect estimator that has the same\n"
       "information, and what the screen does not show, that estimator against the path tracer.\n"
-      "Materials are pure Lambert unless --set material.lambert=false; reconstruction is off.\n"
+      "Materials are pure Lambert unless --set material.lambert=false; reconstruction is off, but for --resolutions.\n"
       "Examples:\n"
       "  nearfield evaluate cornell.glb sponza.glb@nave.json -o table --size 240x135\n"
       "  nearfield evaluate cornell.glb --techniques vbgi,none --presets default,wide.json -o table --resume\n"
+      "  nearfield evaluate fence.glb --techniques vbao --resolutions full,half,quarter -o table\n"
       "  nearfield evaluate atrium.glb@atrium.json --temporal --frames 4096 --size 160x90 -o time");
   return {app, [state] {
             start_log(*state);

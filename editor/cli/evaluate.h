@@ -19,7 +19,7 @@ namespace nf::editor {
 
 struct EvaluateOptions : CommonOptions {
   std::vector<std::string> scenes;
-  std::string techniques = "all", presets, folder = "evaluation", references, markdown;
+  std::string techniques = "all", presets, resolutions, folder = "evaluation", references, markdown;
   std::string occluder = "short,card,fountain";
   uint32_t frames = 64, timed = 8, spp = 256, bounces = 6, threads = 0;
   bool resume = false, pictures = true, temporal = false;
@@ -32,7 +32,8 @@ struct Place {
 // A technique in one form with one set of parameters.
 struct Contender {
   std::string label, technique, mode, preset;
-  passes::FrameSettings settings;
+  std::string resolution = {};  // that the technique runs at, or none asked for: the settings' one does not count then
+  passes::FrameSettings settings = {};
 };
 // Scenes may be FILE or FILE@VIEW. Throws nf::Error (Exit::Usage, Exit::Input).
 std::vector<Place> parse_places(const EvaluateOptions& options);
@@ -123,7 +124,7 @@ class Stage {
   std::vector<image::Layer> mean(const passes::FrameSettings& settings, std::span<const passes::Aov* const> layers,
                                  uint32_t seed, uint32_t frames);
   // The same with feedback, counted from where the loop has settled; `gain` is what goes round again then.
-  std::vector<image::Layer> settled_mean(const passes::FrameSettings& settings, const passes::Aov& layer, uint32_t seed,
+  std::vector<image::Layer> settled_mean(const Contender& contender, const passes::Aov& layer, uint32_t seed,
                                          uint32_t frames, double& gain, uint32_t& before);
   PassTimes time(const passes::FrameSettings& settings);
   // Of samples taken at pixels spread over the picture, how many have which effect; null where they are not told.

@@ -36,6 +36,16 @@ double mean_value(const image::Image& picture, const std::vector<uint8_t>& mask)
   return image::bias({picture, picture, mask}).reference;
 }
 
+// What frames are made with: the technique alone and, where a resolution is asked for, that with its upsampling.
+passes::FrameSettings measured(const Contender& contender) {
+  passes::FrameSettings settings = contender.settings;
+  const int resolution = settings.resolution.gi;
+  settings.switch_off_reconstruction();
+  settings.reconstruct = !contender.resolution.empty();
+  if (settings.reconstruct) settings.resolution.gi = resolution;
+  return settings;
+}
+
 constexpr const char* radius_names[] = {"ball", "ball_falloff", "disc"};
 
 json part_json(const image::ErrorPart& part) {
@@ -79,15 +89,14 @@ std::vector<image::Layer> Stage::mean(const passes::FrameSettings& settings, std
   return out;
 }
 
-std::vector<image::Layer> Stage::settled_mean(const passes::FrameSettings& of, const passes::Aov& layer, uint32_t seed,
+std::vector<image::Layer> Stage::settled_mean(const Contender& of, const passes::Aov& layer, uint32_t seed,
                                               uint32_t frames, double& gain, uint32_t& before) {
   // Of what is left out by beginning to count, all bounces behind this share of the first.
   constexpr double left = 1e-3;
   constexpr uint32_t least = 4, most = 128;
-  passes::FrameSettings settings = of;
+  passes::FrameSettings settings = measured(of);
   settings.reconstruct = true;
-  const int reprojection = settings.feedback.reprojection;
-  settings.switch_off_reconstruction();
+  const int reprojection = of.settings.feedback.reprojection;
   settings.feedback.reprojection = reprojection ? reprojection : 1;
   const passes::Aov* const layers[] = {&layer};
   passes::FrameView view = view_;
@@ -104,7 +113,7 @@ std::vector<image::Layer> Stage::settled_mean(const passes::FrameSettings& of, c
     if (counted == frames) out.push_back(to_layer(layer, readbacks.front()));
     if (counts) continue;
     const graph::Readback* energy = graph::find_readback(readbacks, "readback.loop_energy");
-    NF_CHECK(energy, "{} has no feedback", of.technique->id);
+    NF_CHECK(energy, "{} has no feedback", of.technique);
     uint32_t have = 0;
     const std::vector<float> sums = graph::to_floats(*energy, have);
     gain = sums[1] > 0 ? sums[0] / sums[1] : 0;
@@ -155,6 +164,7 @@ void Stage::look(const passes::FrameSettings& of) {
   if (!renderer_) renderer_ = std::make_unique<passes::Renderer>(device_, scene_, executor_options(options_));
   passes::FrameSettings settings = of;
   settings.technique = &passes::find_technique("none");
+  settings.reconstruct = false;
   const ParamBlock visible[] = {{&passes::MaterialParams::table(), &settings.material},
                                 {&passes::LightParams::table(), &settings.lights},
                                 {&passes::ShadowParams::table(), &settings.shadow}};
@@ -213,8 +223,8 @@ json Stage::measure_bounces(const Contender& contender, const Quantity& q, Truth
   uint32_t before = 0;
   const uint32_t half = (options_.frames + 1) / 2;
   const passes::Aov& layer = passes::find_aov(q.layer);
-  std::vector<image::Layer> a = settled_mean(settings, layer, options_.seed * 2, half, gain, before);
-  std::vector<image::Layer> b = settled_mean(settings, layer, options_.seed * 2 + 1, half, gain, before);
+  std::vector<image::Layer> a = settled_mean(contender, layer, options_.seed * 2, half, gain, before);
+  std::vector<image::Layer> b = settled_mean(contender, layer, options_.seed * 2 + 1, half, gain, before);
   if (a.empty() || b.empty()) return nullptr;
   const image::Halves test{std::move(a[0].image), std::move(b[0].image)};
   json row = errors(
@@ -230,7 +240,7 @@ json Stage::measure_bounces(const Contender& contender, const Quantity& q, Truth
 json Stage::measure(const Contender& of, TruthStore& store, const fs::path& folder) {
   Contender contender = of;
   passes::find_radius(contender.settings, scene_);
-  const passes::FrameSettings& settings = contender.settings;
+  const passes::FrameSettings settings = measured(contender);
   const bool lambert = settings.material.lambert != 0;
   look(settings);
   reference::MarchSettings march = march_settings(settings, view_.camera);
@@ -294,7 +304,7 @@ json Stage::measure(const Contender& of, TruthStore& store, const fs::path& fold
     ms = {{"technique", technique_ms},
           {"frame", capture::statistics(times.frame_ms).median},
           {"passes", times_json(rows)}};
-  passes::FrameSettings all = settings;
+  passes::FrameSettings all = contender.settings;
   return {{"place", place_.label},
           {"scene", place_.scene},
           {"view", place_.view},
@@ -302,6 +312,7 @@ json Stage::measure(const Contender& of, TruthStore& store, const fs::path& fold
           {"technique", contender.technique},
           {"mode", contender.mode},
           {"preset", contender.preset},
+          {"resolution", contender.resolution},
           {"params", params::to_json(all.blocks())},
           {"radius", fmt::format("{} m {}", march.radius, radius_names[int(march.radius_mode)])},
           {"note", march_note(settings)},

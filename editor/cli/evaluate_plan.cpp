@@ -46,6 +46,21 @@ std::vector<std::pair<std::string, std::string>> parse_techniques(const std::str
   return wanted;
 }
 
+// Modes of resolution.gi; one without a name where none is asked for.
+std::vector<std::string> parse_resolutions(const std::string& list) {
+  std::vector<std::string> known;
+  for (const Param& param : passes::ResolutionParams::table().params)
+    for (int mode = 0; std::string_view(param.name) == "gi" && mode <= int(param.max); ++mode)
+      known.push_back(params::choice_name(param, mode));
+  if (list == "all") return known;
+  const std::vector<std::string> wanted = split(list);
+  for (const std::string& name : wanted)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      fail(Exit::Usage, "--resolutions: there is no '{}'; write all, or some of {}", name, fmt::join(known, ","));
+  if (wanted.empty()) return {""};
+  return wanted;
+}
+
 }  // namespace
 
 std::vector<Place> parse_places(const EvaluateOptions& o) {
@@ -71,6 +86,7 @@ std::vector<Contender> parse_contenders(EvaluateOptions& o) {
   std::vector<std::string> presets = split(o.presets);
   if (presets.empty()) presets.emplace_back("default");
   std::vector<Contender> contenders;
+  const std::vector<std::string> resolutions = parse_resolutions(o.resolutions);
   const auto add = [&](const std::string& preset, const std::string& technique, const std::string& mode) {
     CommonOptions one = o;
     one.preset = preset == "default" ? "" : preset;
@@ -84,8 +100,16 @@ std::vector<Contender> parse_contenders(EvaluateOptions& o) {
     c.label = c.technique;
     if (c.mode == "paper") c.label += ":paper";
     if (!c.preset.empty()) c.label += "+" + fs::path(c.preset).stem().string();
-    const auto same = [&](const Contender& other) { return other.label == c.label; };
-    if (std::none_of(contenders.begin(), contenders.end(), same)) contenders.push_back(std::move(c));
+    const std::string label = c.label;
+    for (const std::string& resolution : resolutions) {
+      if (!resolution.empty()) {
+        params::assign(c.settings.blocks(), "resolution.gi=" + resolution);
+        c.resolution = resolution;
+        c.label = label + "@" + resolution;
+      }
+      const auto same = [&](const Contender& other) { return other.label == c.label; };
+      if (std::none_of(contenders.begin(), contenders.end(), same)) contenders.push_back(c);
+    }
   };
   for (const std::string& preset : presets) {
     bool names_technique = false;

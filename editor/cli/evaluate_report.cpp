@@ -110,6 +110,50 @@ Table summary_table(const json& document) {
   return table;
 }
 
+// A number of a row, by its path; NaN where there is none.
+double number_at(const json* row, std::initializer_list<const char*> path) {
+  for (const char* key : path) {
+    if (!row || !row->is_object()) return std::nan("");
+    const auto found = row->find(key);
+    row = found == row->end() ? nullptr : &*found;
+  }
+  return row && row->is_number() ? row->get<double>() : std::nan("");
+}
+
+// What fewer pixels cost and save: each number, and in brackets how many times full resolution's it is. No rows where
+// no resolution was asked for.
+Table resolution_table(const std::vector<const json*>& rows) {
+  Table table{{"technique", "ms"}, {}};
+  const std::vector<const Quantity*> shown = present(rows);
+  for (const Quantity* q : shown)
+    for (const char* column : {"total", "estimator", "one frame"})
+      if (!q->with_bounces || *column != 'o') table.head.push_back(fmt::format("{}: {}", q->title, column));
+  for (const json* row : rows) {
+    const std::string contender = (*row)["contender"], resolution = row->value("resolution", "");
+    if (resolution.empty()) continue;
+    const std::string full_one = contender.substr(0, contender.rfind('@')) + "@full";
+    const auto full =
+        std::find_if(rows.begin(), rows.end(), [&](const json* r) { return (*r)["contender"] == full_one; });
+    const auto beside = [&](const Quantity* q, std::initializer_list<const char*> path) -> std::string {
+      const double value = number_at(row, path), of_full = full == rows.end() ? 0 : number_at(*full, path);
+      if (!std::isfinite(value)) return "–";
+      const double mean = q ? number_at(row, {"quantities", q->id, "reference_mean"}) : 1;
+      const std::string text = !q           ? fmt::format("{:.2f}", value)
+                               : q->of_mean ? fmt::format("{:.1f} %", 100 * value / mean)
+                                            : fmt::format("{:.4f}", value);
+      return of_full > 0 ? fmt::format("{} ({:.2f})", text, value / of_full) : text;
+    };
+    std::vector<std::string> cells = {contender, beside(nullptr, {"ms", "technique"})};
+    for (const Quantity* q : shown) {
+      cells.push_back(beside(q, {"quantities", q->id, "total", "rmse"}));
+      cells.push_back(beside(q, {"quantities", q->id, "estimator", "rmse"}));
+      if (!q->with_bounces) cells.push_back(beside(q, {"quantities", q->id, "single_frame_rmse"}));
+    }
+    table.rows.push_back(cells);
+  }
+  return table;
+}
+
 std::string markdown_of(const Table& table) {
   return markdown_table(table.head, table.rows);
 }
@@ -182,6 +226,12 @@ constexpr const char* legend =
     "nothing new). ms is the median of the "
     "passes that the technique adds. – : the technique does not give this, or the view has no such light.";
 
+constexpr const char* resolution_legend =
+    "RMSE as above, and in brackets how many times that of full resolution it is: of the mean of all frames against "
+    "the "
+    "path tracer (total) and against random rays through the same depth (estimator), and of one frame with its noise "
+    "against the path tracer.";
+
 }  // namespace
 
 json evaluation_json(const EvaluateOptions& o, const std::vector<json>& rows, const gpu::DeviceInfo& device,
@@ -214,6 +264,12 @@ std::string evaluation_markdown(const json& document) {
   text += "\n## Mean over the views\n\n" + markdown_of(summary_table(document));
   for (const auto& [place, rows] : by_place(document))
     text += fmt::format("\n## {}\n\n{}\n\n{}", place, place_text(rows), markdown_of(place_table(rows)));
+  const auto places = by_place(document);
+  const auto any = [](const auto& place) { return !resolution_table(place.second).rows.empty(); };
+  if (std::none_of(places.begin(), places.end(), any)) return text;
+  text += fmt::format("\n## Resolutions\n\n{}\n", resolution_legend);
+  for (const auto& [place, rows] : places)
+    text += fmt::format("\n{}:\n\n{}", place, markdown_of(resolution_table(rows)));
   return text;
 }
 
@@ -235,6 +291,8 @@ std::string evaluation_html(const json& document) {
   for (const auto& [place, rows] : by_place(document)) {
     text += fmt::format("<h2>{}</h2>\n<p>{}</p>\n{}", escaped(place), escaped(place_text(rows)),
                         html_of(place_table(rows)));
+    if (const Table table = resolution_table(rows); !table.rows.empty())
+      text += fmt::format("<h3>Resolutions</h3>\n<p>{}</p>\n{}", resolution_legend, html_of(table));
     for (const json* row : rows) {
       for (const Quantity& q : quantities()) {
         const auto found = (*row)["quantities"].find(q.id);
