@@ -39,17 +39,18 @@ void FrameSettings::switch_off_reconstruction() {
   feedback.reprojection = 0;
   resolution.gi = 0;
   resolution.overscan = 0;
+  resolution.edge_fade = 0;
   temporal.enabled = 0;
   denoise.method = 0;
   taa.enabled = 0;
 }
 
 std::vector<const ParamTable*> inner_tables() {
-  return {&FrameBlock::table(),     &AccumulateBlock::table(),  &SunBlock::table(),      &ShadowViewBlock::table(),
-          &LightViewBlock::table(), &EnvironmentBlock::table(), &DeformBlock::table(),   &ReprojectBlock::table(),
-          &TemporalBlock::table(),  &DenoiseBlock::table(),     &TaaBlock::table(),      &SplitBlock::table(),
-          &UpsampleBlock::table(),  &CropBlock::table(),        &FeedbackBlock::table(), &FeedbackMergeBlock::table(),
-          &MarcherBlock::table(),   &NanScanBlock::table(),     &InspectBlock::table()};
+  return {&FrameBlock::table(),         &AccumulateBlock::table(),  &SunBlock::table(),     &ShadowViewBlock::table(),
+          &LightViewBlock::table(),     &EnvironmentBlock::table(), &DeformBlock::table(),  &ReprojectBlock::table(),
+          &TemporalBlock::table(),      &DenoiseBlock::table(),     &TaaBlock::table(),     &SplitBlock::table(),
+          &EdgeFadeBlock::table(),      &UpsampleBlock::table(),    &CropBlock::table(),    &FeedbackBlock::table(),
+          &FeedbackMergeBlock::table(), &MarcherBlock::table(),     &NanScanBlock::table(), &InspectBlock::table()};
 }
 
 gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,
@@ -194,6 +195,10 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
   if (feed)
     out.loop_energy =
         add_feedback_keep(graph, *pipelines_, out.gbuffer, feedback, out.gi, environment_, settings.feedback);
+  // Of what is shown only: light that is fed back stays what it is.
+  if (settings.reconstruct && settings.resolution.edge_fade > 0)
+    out.gi = add_edge_fade(graph, *pipelines_, out.gbuffer, out.gi, environment_,
+                           0.01f * settings.resolution.edge_fade * float(asked.size.y));
   out.lit = add_composite(graph, lighting_, out.gbuffer, out.direct, out.gi, *tables_, environment_);
   add_blend(graph, blend_, out.lit, out.gbuffer, lights, *tables_, camera_draws_, deformed, environment_);
   if (taa) out.lit = add_taa(graph, *pipelines_, out.gbuffer, reproject, out.lit, settings.taa);

@@ -132,6 +132,40 @@ GiResult add_upsample(graph::Graph& graph, gpu::Pipelines& pipelines, const GBuf
   return out;
 }
 
+GiResult add_edge_fade(graph::Graph& graph, gpu::Pipelines& pipelines, const GBuffer& g, const GiResult& gi,
+                       const EnvironmentMaps& environment, float band) {
+  if (!gi.any()) return gi;
+  struct Part {
+    graph::Tex GiResult::*member;
+    const char *define, *at, *in, *out, *name;
+  };
+  constexpr Part parts[] = {
+      {&GiResult::visibility, "HAS_VISIBILITY", "VISIBILITY_AT", "visibility_in", "visibility", "edge_fade.visibility"},
+      {&GiResult::gi, "HAS_GI", "GI_AT", "gi_in", "gi", "edge_fade.gi"},
+      {&GiResult::ambient, "HAS_AMBIENT", "AMBIENT_AT", "ambient_in", "ambient", "edge_fade.ambient"},
+      {&GiResult::bent, "HAS_BENT", "BENT_AT", "bent_in", "bent", "edge_fade.bent"}};
+  gpu::Defines defines;
+  int location = 0;
+  for (const Part& part : parts)
+    if (gi.*part.member) {
+      defines.emplace_back(part.define, "1");
+      defines.emplace_back(part.at, std::to_string(location++));
+    }
+  if (environment.any() && gi.ambient) defines.emplace_back("ENVIRONMENT_MAP", "1");
+  const gpu::Pipeline pipeline = pipelines.fullscreen("edge_fade.frag", defines);
+  auto builder = graph.fullscreen("edge_fade", pipeline, "At the border the GI goes over to none");
+  if (pipeline.interface->find("normal")) builder.in("normal", g.normal);
+  GiResult out;
+  for (const Part& part : parts)
+    if (const graph::Tex in = gi.*part.member) {
+      out.*part.member = graph.optional(graph.image(part.name, {g.size, graph.desc(in).format}));
+      builder.in(part.in, in).out(part.out, out.*part.member);
+    }
+  feed_environment(graph, builder, *pipeline.interface, environment);
+  builder.params(EdgeFadeBlock{.band = band});
+  return out;
+}
+
 glm::ivec2 overscan_border(glm::uvec2 size, float percent) {
   return glm::ivec2(glm::ceil(glm::vec2(size) * (percent * 0.01f)));
 }

@@ -13,7 +13,9 @@ namespace nf::passes {
     "Pixels that the technique runs for: all; every 2nd or 4th of a row and column; every other; all, in 2x2 or 4x4 small pictures") \
   P(Choice, upsample, 2, 0, 2, "nearest|bilateral|joint",                                                                \
     "How the others get theirs: from the nearest, weighted by depth, or by depth, normal and plane")                     \
-  P(Float, overscan, 0.0f, 0.0f, 50.0f, "%", "Border outside the picture on each side that is rendered too and cut off at the end")
+  P(Float, overscan, 0.0f, 0.0f, 50.0f, "%", "Border outside the picture on each side that is rendered too and cut off at the end") \
+  P(Float, edge_fade, 0.0f, 0.0f, 50.0f, "%",                                                                            \
+    "Band at the border, in percent of the picture's height, over which GI goes over to none; overscan takes it outside")
 // clang-format on
 NF_DECLARE_PARAMS(ResolutionParams, "resolution", NF_RESOLUTION_PARAMS)
 
@@ -25,6 +27,9 @@ NF_DECLARE_BLOCK(SplitBlock, "split", NF_GRID_FIELDS)
 NF_DECLARE_BLOCK(UpsampleBlock, "grid", NF_UPSAMPLE_FIELDS)
 #define NF_CROP_FIELDS(F) F(IVec2, offset)
 NF_DECLARE_BLOCK(CropBlock, "crop", NF_CROP_FIELDS)
+// band: pixels.
+#define NF_EDGE_FADE_FIELDS(F) F(Float, band)
+NF_DECLARE_BLOCK(EdgeFadeBlock, "edge_fade", NF_EDGE_FADE_FIELDS)
 
 // Which pixels the technique runs for in a frame.
 struct PixelGrid {
@@ -73,5 +78,9 @@ GiResult add_at_resolution(graph::Graph& graph, gpu::Pipelines& pipelines, const
 glm::ivec2 overscan_border(glm::uvec2 size, float percent);
 FrameView with_border(const FrameView& view, glm::ivec2 border);
 graph::Tex add_crop(graph::Graph& graph, gpu::Pipelines& pipelines, graph::Tex image, glm::ivec2 border);
+
+// Over `band` pixels at the border of what is rendered, GI goes over to what composition takes where there is none.
+GiResult add_edge_fade(graph::Graph& graph, gpu::Pipelines& pipelines, const GBuffer& gbuffer, const GiResult& gi,
+                       const EnvironmentMaps& environment, float band);
 
 }  // namespace nf::passes
