@@ -72,6 +72,16 @@ std::string view_beside(const std::string& scene) {
   return {};
 }
 
+// Whether the scene as it stands cannot show what the preset does: another file, camera by name, or environment.
+bool needs_load(const Preset& preset, const Editor& e) {
+  if (!e.scene_ready) return preset.scene.has_value();
+  if (preset.scene && !fs::equivalent(*preset.scene, e.scene.path)) return true;
+  if (!view_name(preset).empty()) return true;
+  const scene::View* inside = view_inside(preset);
+  if (!inside) return false;
+  return inside->environment ? !same(*inside->environment, e.scene.environment) : !e.scene.own_environment;
+}
+
 std::string lower_extension(const std::string& path) {
   std::string text = fs::path(path).extension().string();
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
@@ -341,16 +351,16 @@ void App::open_file(const std::string& path) {
   } else if (extension == ".json") {
     try {
       Preset preset = read_preset(path);
-      const bool other = preset.scene && e_.scene_ready && !fs::equivalent(*preset.scene, e_.scene.path);
-      if (other) {
+      if (needs_load(preset, e_)) {
         const scene::View* inside = view_inside(preset);
-        e_.outbox.push_back({live::CommandKind::LoadScene, *preset.scene, view_name(preset),
-                             inside ? std::optional(*inside) : std::nullopt});
+        e_.outbox.push_back({live::CommandKind::LoadScene, preset.scene ? *preset.scene : e_.scene.path,
+                             view_name(preset), inside ? std::optional(*inside) : std::nullopt});
         e_.pending_preset = std::move(preset);
       } else {
         apply_preset(preset, e_.document);
         if (const scene::View* inside = view_inside(preset)) {
           if (inside->camera) go_to(e_, *inside->camera);
+          e_.document.lights = e_.scene.own_lights;
           use_lights(*inside, e_.document.lights);
         }
       }
@@ -371,11 +381,8 @@ void App::open_file(const std::string& path) {
 // What the panels and actions asked for and only this can do.
 void App::serve() {
   for (const std::string& path : std::exchange(e_.dropped, {})) open_file(path);
-  if (std::exchange(e_.keep_a, false))
-    if (const std::vector<uint8_t> texels = pictures_->texels(ui::PictureId::Scene); !texels.empty()) {
-      pictures_->set_picture(ui::PictureId::SlotA, e_.picture.size, std::span(texels));
-      toast(e_, "kept as A");
-    }
+  if (std::exchange(e_.keep_a, false) && pictures_->copy(ui::PictureId::Scene, ui::PictureId::SlotA))
+    toast(e_, "kept as A");
   if (!screenshot_.empty()) write_window(std::exchange(screenshot_, {}), e_, shown_, screenshot_part_);
   write_captures(e_, shown_, o_.validation);
   if (std::exchange(e_.fullscreen_asked, false) && window_) window_->toggle_fullscreen();

@@ -150,10 +150,16 @@ void write_captures(Editor& e, std::span<const std::byte> window_texels, bool va
     toast(e, error.what(), true);
   }
   if (std::exchange(e.copy_command, false)) {
-    const std::string command = command_for(e);
-    ImGui::SetClipboardText(command.c_str());
-    log::info("{}", command);
-    toast(e, "copied: " + command);
+    try {
+      const fs::path preset = fs::absolute(new_file(fmt::format("command-{}.json", file_time())));
+      write_preset(preset, make_preset(e));
+      const std::string command = command_for(e, preset);
+      ImGui::SetClipboardText(command.c_str());
+      log::info("{}", command);
+      toast(e, "copied: " + command);
+    } catch (const std::exception& error) {
+      toast(e, error.what(), true);
+    }
   }
 }
 

@@ -31,6 +31,11 @@ bool same(const scene::Camera& a, const scene::Camera& b) {
   return a.position == b.position && a.forward == b.forward && a.up == b.up && a.vfov == b.vfov && a.near == b.near;
 }
 
+bool same(const scene::Environment& a, const scene::Environment& b) {
+  return a.kind == b.kind && a.zenith == b.zenith && a.horizon == b.horizon && a.ground == b.ground &&
+         a.intensity == b.intensity && a.rotation == b.rotation && a.file == b.file;
+}
+
 bool same(Document& a, Document& b) {
   for (size_t i = 0; i < a.bookmarks.size(); ++i)
     if (a.bookmarks[i].has_value() != b.bookmarks[i].has_value() ||

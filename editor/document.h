@@ -22,6 +22,8 @@ struct Document {
 bool same(passes::FrameSettings& a, passes::FrameSettings& b);
 bool same(const live::SceneLights& a, const live::SceneLights& b);
 bool same(const scene::Camera& a, const scene::Camera& b);
+// Maps by their file. The colour is not looked at: it is one of the lights.
+bool same(const scene::Environment& a, const scene::Environment& b);
 bool same(Document& a, Document& b);
 
 // Whether the technique's settings are those that its paper prints, now.

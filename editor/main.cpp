@@ -1,5 +1,6 @@
 // The program: finds the command, runs it, and turns failures into one line and an exit code.
-#include <cstdio>
+#include <algorithm>
+#include <filesystem>
 
 #include "cli/options.h"
 #include "core/log.h"
@@ -7,7 +8,8 @@
 namespace nf::editor {
 namespace {
 
-constexpr const char* footer = R"(Without a command the editor's window opens on the bundled scene.
+constexpr const char* footer =
+    R"(Without a command the editor's window opens, on the bundled scene or `nearfield SCENE`.
 Examples:
   nearfield render scene.glb -o picture.png --size 1280x720 --set gi.radius=3
   nearfield render scene.glb -o layers.exr --aov all --frames 64 --accumulate
@@ -18,6 +20,13 @@ Examples:
 Exit codes: 0 done, 1 a check failed, 2 usage, 3 bad input, 4 no device or display, 5 shader, 6 GPU, 7 cannot write, 70 internal, 130 interrupted.
 `nearfield COMMAND --help` says more.)";
 
+// `edit` may be left away before a scene or a flag.
+bool is_for_the_window(const std::string& first) {
+  const std::string extension = std::filesystem::path(first).extension().string();
+  if (extension == ".glb" || extension == ".gltf") return true;
+  return first.starts_with("--") && first != "--help" && first != "--version";
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Nearfield: screen-space global illumination techniques on one frame graph", "nearfield");
   app.set_version_flag("--version", version_line());
@@ -25,8 +34,11 @@ int run(int argc, char** argv) {
   app.require_subcommand(0, 1);
   const Command commands[] = {add_edit(app),    add_render(app),    add_bench(app),    add_info(app),  add_graph(app),
                               add_compare(app), add_reference(app), add_evaluate(app), add_sweep(app), add_report(app)};
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && is_for_the_window(words[0])) words.insert(words.begin(), "edit");
+  std::reverse(words.begin(), words.end());  // as CLI11 takes them
   try {
-    app.parse(argc, argv);
+    app.parse(words);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
     log::init(log::Level::Normal);

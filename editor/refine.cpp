@@ -47,12 +47,19 @@ uint8_t tone_map(float x, const passes::TonemapParams& tonemap) {
 
 }  // namespace
 
+std::string scene_key(const Editor& editor) {
+  const scene::Environment& e = editor.scene.environment;
+  return fmt::format("{} {} {} {} {} {} {}", editor.wanted.scene, editor.wanted.lights_revision, editor.scene_time,
+                     int(e.kind), e.file, e.intensity, e.rotation);
+}
+
 void Refiner::take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene) {
   if (scene) peak_distance_ = scene::peak_distance(*scene);
   // Each has a copy of its own; the tracer asked first where both did.
   if (!asked_ && split_asked_) {
     split_asked_ = false;
     split_scene_ = std::move(scene);
+    ++editor.wanted.revision;  // the frames that it waits for may all have been rendered
     return;
   }
   asked_ = false;
@@ -62,8 +69,7 @@ void Refiner::take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene) {
   camera_ = settings.tracer.camera;
   size_ = settings.tracer.size;
   settings_ = settings_text(settings.tracer);
-  scene_ = editor.wanted.scene;
-  lights_ = editor.wanted.lights_revision;
+  scene_ = asked_scene_;
   editor.reference.curve.clear();
   editor.reference.picture = {};
   editor.reference.has_error = false;
@@ -86,12 +92,17 @@ void Refiner::update(Editor& editor) {
   r.note = tracer_.error();
   r.wanted_layers.push_back(r.layer);
   update_split(editor);
-  if (!editor.wanted.moving && !asked_) {
-    const bool other = !running_ || scene_ != editor.wanted.scene || lights_ != editor.wanted.lights_revision ||
-                       settings_ != settings_text(tracer_settings(editor, peak_distance_));
+  if (editor.wanted.playing) {
+    r.note = "The clock runs: the picture as it was when it was stopped last.";
+    r.has_error = false;
+  } else if (!editor.wanted.moving && !asked_) {
+    const std::string scene = scene_key(editor);
+    const bool other =
+        !running_ || scene_ != scene || settings_ != settings_text(tracer_settings(editor, peak_distance_));
     if (other) {
       editor.outbox.push_back({live::CommandKind::CopyScene, {}, {}, {}});
       asked_ = true;
+      asked_scene_ = scene;
     } else if (!same(camera_, editor.view.camera) || size_ != editor.wanted.size) {
       camera_ = editor.view.camera;
       size_ = editor.wanted.size;

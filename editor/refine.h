@@ -13,6 +13,9 @@ struct SplitQuantity {
 };
 std::span<const SplitQuantity> split_quantities();
 
+// Another text for another scene: file, lights, environment, time of the clock.
+std::string scene_key(const Editor& editor);
+
 class Refiner {
  public:
   // Each frame of the interface.
@@ -29,8 +32,8 @@ class Refiner {
   void show_split(Editor& editor);
   LiveReference tracer_;
   bool asked_ = false, running_ = false;
-  float peak_distance_ = 0;  // of the scene taken last
-  uint64_t scene_ = 0, lights_ = 0;
+  float peak_distance_ = 0;          // of the scene taken last
+  std::string scene_, asked_scene_;  // scene_key() of what the tracer has, and of what was asked for
   scene::Camera camera_;
   glm::uvec2 size_{0};
   std::string settings_;  // what of the settings the tracer heeds, as text

@@ -12,10 +12,6 @@ std::string text_of(const scene::Camera& c) {
                      c.forward.y, c.forward.z, c.up.x, c.up.y, c.up.z, c.vfov, c.near);
 }
 
-std::string scene_key(const live::Wanted& wanted) {
-  return fmt::format("{} {}", wanted.scene, wanted.lights_revision);
-}
-
 reference::Settings split_tracer(Editor& editor, const reference::MarchSettings& march) {
   reference::Settings s;
   s.camera = editor.view.camera;
@@ -67,14 +63,15 @@ void Refiner::take_layers(Editor& editor, live::Published& frame) {
   const live::Wanted& wanted = editor.wanted;
   const SplitQuantity& q = split_quantities()[size_t(r.quantity)];
   const auto test = find(q.test), depth = find("depth"), normal = find("normal"), radiance = find("radiance");
-  const bool current = frame.revision == wanted.revision && !frame.moving && wanted.bare && r.split_on();
+  const bool current =
+      frame.revision == wanted.revision && !frame.moving && !wanted.playing && wanted.bare && r.split_on();
   if (current && !test) r.split_note = fmt::format("{} gives no {}", editor.document.settings.technique->id, q.name);
   if (current && test && radiance && test->image.width == wanted.size.x && test->image.height == wanted.size.y) {
     passes::FrameSettings shown = editor.document.settings;
     if (passes::finds_radius(shown) && peak_distance_ > 0) shown.gi.shared.radius = peak_distance_;
     const reference::MarchSettings march = march_settings(shown, editor.view.camera);
     const reference::Settings tracer = split_tracer(editor, march);
-    const std::string scene = scene_key(wanted);
+    const std::string scene = scene_key(editor);
     const std::string truth =
         fmt::format("{} {}x{} {} {} {} {} {} {} {} {}", scene, wanted.size.x, wanted.size.y,
                     text_of(editor.view.camera), march.radius, int(march.radius_mode), march.falloff, tracer.lambert,

@@ -187,18 +187,9 @@ Preset make_preset(Editor& editor) {
   return preset;
 }
 
-std::string command_for(Editor& editor) {
-  Document& d = editor.document;
-  std::string text = fmt::format(
-      "nearfield render '{}' -o picture.png --size {}x{} --technique {} --seed {} --frames {}", editor.scene.path,
-      editor.picture.size.x, editor.picture.size.y, d.settings.technique->id, d.seed, editor.wanted.settle);
-  for (const ParamBlock& block : d.settings.blocks())
-    for (const Param& row : block.table->params)
-      if (const double value = params::get(*block.table, block.data, row);
-          params::format(row, value) != params::format(row, row.default_value))
-        text += fmt::format(" --set {}.{}={}", block.table->prefix, row.name, params::format(row, value));
-  if (!editor.preset_path.empty()) text += fmt::format(" --preset '{}'", editor.preset_path);
-  return text;
+std::string command_for(const Editor& editor, const fs::path& preset) {
+  return fmt::format("nearfield render '{}' --preset '{}' -o picture.png --frames {}", editor.scene.path,
+                     preset.string(), editor.wanted.settle);
 }
 
 void save_pixels(const std::string& path, const live::Pixels& pixels, const ui::PictureLook& look) {

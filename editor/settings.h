@@ -21,8 +21,8 @@ std::string view_name(const Preset& preset);
 const scene::View* view_inside(const Preset& preset);
 void use_lights(const scene::View& view, live::SceneLights& lights);
 Preset make_preset(Editor& editor);
-// The command line that renders this picture; what a command cannot be told stands in a preset.
-std::string command_for(Editor& editor);
+// The command line that renders this picture, of a preset of it.
+std::string command_for(const Editor& editor, const std::filesystem::path& preset);
 
 // .png as `look` shows it, .exr as it is.
 void save_pixels(const std::string& path, const live::Pixels& pixels, const ui::PictureLook& look);

@@ -49,6 +49,8 @@ json make_state(Editor& e, bool idle) {
           {"window", {e.window.x, e.window.y}},
           {"scale", e.scale()},
           {"scene", e.scene_ready ? e.scene.path : ""},
+          {"environment", e.scene.environment.file},
+          {"preset", e.preset_path},
           {"scene_frames", e.scene_frames},
           {"scene_frames_since_change", e.frames_since_change},
           {"settled", e.settled},

@@ -30,6 +30,19 @@ class GuiTest : public CliTest {
     all.insert(all.end(), environment.begin(), environment.end());
     return run(words, all);
   }
+  // Captures go to base_/work/captures.
+  Outcome play_in_work(const std::string& text, const std::string& window = "1280x720", const Words& more = {}) {
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(base_ / "work");
+    const Outcome played = play(text, more, {}, window);
+    std::filesystem::current_path(before);
+    return played;
+  }
+  void keep_settings(const std::string& preferences) const {
+    std::filesystem::create_directories(config() + "/nearfield");
+    std::ofstream(config() + "/nearfield/editor.json")
+        << R"({"schema": "nearfield.editor/1", "preferences": {)" << preferences << "}}";
+  }
   std::string config() const { return (base_ / "config").string(); }
 };
 
@@ -73,9 +86,7 @@ TEST_F(GuiTest, OneDeviceServesBoth) {
 // Bit by bit: the picture, the one compared with, the wipe and the difference of the two.
 TEST_F(GuiTest, AHandedOverPictureIsShownAsACopiedOne) {
   for (const char* form : {"separate", "shared"}) {
-    std::filesystem::create_directories(config() + "/nearfield");
-    std::ofstream(config() + "/nearfield/editor.json")
-        << R"({"schema": "nearfield.editor/1", "preferences": {"settle": 4, "moving_scale": 1}})";
+    keep_settings(R"("settle": 4, "moving_scale": 1)");
     const std::string kind = std::string(form) == "shared" ? "image" : "bytes";
     const Outcome played = play(replaced(replaced(script_text("sharing.jsonl"), "KIND", kind), "SHOT", out(form)),
                                 {"--device-sharing", form}, {}, "720x480");
@@ -101,10 +112,8 @@ TEST_F(GuiTest, ABrokenShaderIsShownAndThePictureGoesOn) {
 
 // The records that the window exports, summed here: what the shader has, bit by bit.
 TEST_F(GuiTest, ThePixelTakenApartAddsUp) {
-  const std::filesystem::path before = std::filesystem::current_path(), work = base_ / "work";
-  std::filesystem::current_path(work);
-  const Outcome played = play(script_text("slices.jsonl"));
-  std::filesystem::current_path(before);
+  const std::filesystem::path work = base_ / "work";
+  const Outcome played = play_in_work(script_text("slices.jsonl"));
   ASSERT_EQ(played.code, 0) << played.err;
   std::filesystem::path written;
   for (const auto& entry : std::filesystem::directory_iterator(work / "captures")) written = entry.path();
@@ -142,6 +151,13 @@ TEST_F(GuiTest, AFailedExpectationFails) {
   EXPECT_EQ(play("{\"wait\": \"technique == gtao\", \"timeout\": 0.2}\n").code, 1);
   EXPECT_EQ(play("{\"wait\": \"scene_frames\"}\n").code, 1);
   EXPECT_EQ(play("nonsense\n").code, 3);
+  EXPECT_EQ(play("{\"quit\": true}\n", {"--size", "13x13"}).code, 2) << "no such flag here";
+  // `edit` may be left away.
+  EXPECT_EQ(
+      run({scene(), "--offscreen", "--ui-script", input("quit.jsonl", "{\"wait\": \"scene contains cornell\"}\n")},
+          {"XDG_CONFIG_HOME=" + config()})
+          .code,
+      0);
 }
 
 TEST_F(GuiTest, TheReferenceRefinesInTheBackground) {
@@ -168,10 +184,8 @@ TEST_F(GuiTest, ASavedPresetRendersTheSamePicture) {
       "{{\"click\": \"file.ok\"}}\n{{\"wait\": \"toasts.0 contains saved\"}}\n{{\"key\": \"f9\"}}\n"
       "{{\"wait\": \"toasts.1 contains written\"}}\n",
       preset);
-  const std::filesystem::path before = std::filesystem::current_path(), work = base_ / "work";
-  std::filesystem::current_path(work);
-  const Outcome played = play(text, {"--set", "gi.steps=5"}, {}, "960x720");
-  std::filesystem::current_path(before);
+  const std::filesystem::path work = base_ / "work";
+  const Outcome played = play_in_work(text, "960x720", {"--set", "gi.steps=5"});
   ASSERT_EQ(played.code, 0) << played.err;
   for (const auto& entry : std::filesystem::directory_iterator(work / "captures"))
     if (entry.path().extension() == ".png") std::filesystem::copy(entry.path(), shot);
@@ -189,6 +203,36 @@ TEST_F(GuiTest, ASavedPresetRendersTheSamePicture) {
       0.02);
 }
 
+TEST_F(GuiTest, APresetBringsBackTheLightsAndTheSky) {
+  const std::string sky = out("sky.exr"), again = out("again.png");
+  ASSERT_EQ(run({"render", scene(), "-o", sky, "--size", "32x16", "--frames", "1"}).code, 0);
+  keep_settings(R"("settle": 4, "moving_scale": 1)");
+  const Outcome played = play_in_work(replaced(script_text("preset.jsonl"), "SKY", sky), "960x720");
+  ASSERT_EQ(played.code, 0) << played.err;
+  std::string preset, shot;
+  for (const auto& entry : std::filesystem::directory_iterator(base_ / "work/captures")) {
+    if (entry.path().extension() == ".png") shot = entry.path();
+    if (entry.path().filename().string().starts_with("command")) preset = entry.path();
+  }
+  const Outcome rendered = run({"render", scene(), "--preset", preset, "-o", again, "--frames", "4", "--fps", "0"});
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  const Outcome same = run({"compare", shot, again, "--metric", "rmse", "--json", "-"});
+  EXPECT_LT(same.json()["metrics"]["rmse"]["value"].get<double>(), 0.02) << same.out;
+}
+
+// Looking into a frozen picture takes no change of it, and the split starts though all frames came before its scene.
+TEST_F(GuiTest, AStillPictureIsLookedInto) {
+  keep_settings(R"("settle": 4)");
+  PLAYS(play(
+      "{\"wait\": \"settled >= 4\"}\n{\"key\": \"ctrl+space\"}\n{\"wait\": \"paused == true\"}\n"
+      "{\"click\": \"viewport.picture\", \"at\": [0.3, 0.88]}\n{\"wait\": \"widgets.pixel.layer.depth.value > 0\"}\n"
+      "{\"key\": \"i\"}\n{\"wait\": \"widgets.slices.visibility.value != null\"}\n{\"key\": \"i\"}\n"
+      "{\"key\": \"ctrl+space\"}\n{\"wait\": \"idle == true\"}\n{\"key\": \"r\"}\n"
+      "{\"wait\": \"widgets.reference.spp.value >= 2\"}\n{\"wait\": \"idle == true\"}\n{\"click\": "
+      "\"reference.split\"}\n"
+      "{\"wait\": \"widgets.reference.split.spp.value >= 2\"}\n"));
+}
+
 TEST_F(GuiTest, ABrokenSettingsFileIsPutAside) {
   std::filesystem::create_directories(config() + "/nearfield");
   std::ofstream(config() + "/nearfield/editor.json") << "{ nonsense";
@@ -199,11 +243,9 @@ TEST_F(GuiTest, ABrokenSettingsFileIsPutAside) {
 }
 
 TEST_F(GuiTest, CapturesPassTheSchema) {
-  const std::filesystem::path before = std::filesystem::current_path(), work = base_ / "work";
-  std::filesystem::current_path(work);
+  const std::filesystem::path work = base_ / "work";
   const Outcome played =
-      play("{\"wait\": \"settled >= 6\"}\n{\"key\": \"ctrl+t\"}\n{\"wait\": \"toasts.0 contains captures\"}\n");
-  std::filesystem::current_path(before);
+      play_in_work("{\"wait\": \"settled >= 6\"}\n{\"key\": \"ctrl+t\"}\n{\"wait\": \"toasts.0 contains captures\"}\n");
   ASSERT_EQ(played.code, 0) << played.err;
   std::filesystem::path written_to;
   for (const auto& entry : std::filesystem::directory_iterator(work / "captures")) written_to = entry.path();

@@ -28,11 +28,21 @@ Command add_edit(CLI::App& parent) {
       ->check(CLI::IsMember({"auto", "shared", "separate"}))
       ->capture_default_str();
   add_render_flags(*app, *state);
+  // Flags of the commands that render to files, which mean nothing here.
+  static constexpr const char* absent[][2] = {
+      {"--size", "the window's size is --window"},
+      {"--variant", "`nearfield render` and the other commands have it"},
+      {"--timing", "the window's passes are serialized; `nearfield bench` has it"},
+      {"--timeout", "close the window"},
+      {"--progress", "the window shows it"}};
+  for (const auto& [flag, instead] : absent) app->get_option(flag)->group("")->envname("");
   app->footer(
       "F1 in the window lists all keys.\n"
       "Examples:\n  nearfield edit scene.glb --technique gtao\n  nearfield edit --offscreen --ui-script tour.jsonl");
-  return {app, [state] {
+  return {app, [state, app] {
             start_log(*state);
+            for (const auto& [flag, instead] : absent)
+              if (app->count(flag)) fail(Exit::Usage, "nearfield edit has no {}: {}", flag, instead);
             watch_interrupt();
             return run_editor(*state);
           }};

@@ -154,7 +154,18 @@ void Engine::move(const Wanted& wanted, bool anew) {
   if (anew) view.previous_camera = wanted.camera;
 }
 
+Published Engine::look(const Wanted& wanted) {
+  Wanted same = last;
+  same.playing = false;
+  same.pick_serial = wanted.pick_serial;
+  same.pick = wanted.pick;
+  same.probe = wanted.probe;
+  same.inspect = wanted.inspect;
+  return frame(same);
+}
+
 Published Engine::frame(const Wanted& wanted) {
+  last = wanted;
   if (std::exchange(lose_next, false)) device->pretend_lost();
   const bool anew = wanted.history != history || view.size != wanted.size || view.seed != wanted.seed;
   if (wanted.revision != revision) settled = 0;

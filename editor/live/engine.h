@@ -35,6 +35,7 @@ struct Engine {
   double time = 0;
   std::string save_layers;  // with the next frame
   std::chrono::steady_clock::time_point last_frame = std::chrono::steady_clock::now();
+  Wanted last;  // what the last frame was of
   // The last frame's, for what a change makes of it.
   uint64_t hash = 0;
   std::optional<gpu::ShaderWatch> watch;
@@ -56,6 +57,8 @@ struct Engine {
   // Another map from all sides.
   SceneInfo surround(const std::string& path);
   Published frame(const Wanted& wanted);
+  // One more frame of the last picture, looked into as wanted now.
+  Published look(const Wanted& wanted);
 
  private:
   void describe_graph(const graph::Graph& built, Published& out);

@@ -93,7 +93,10 @@ void Worker::tell(Event event) {
 // Under the mutex.
 bool Worker::has_work(const Engine& e) const {
   if (!commands_.empty() || release_) return true;
-  if (e.lost || !e.renderer || wanted_.scene != e.serial || wanted_.paused) return false;
+  if (e.lost || !e.renderer || wanted_.scene != e.serial) return false;
+  if (wanted_.paused)
+    return e.number > 0 && wanted_.revision != e.failed_revision &&
+           (wanted_.pick_serial != e.pick || wanted_.probe != e.last.probe || wanted_.inspect != e.last.inspect);
   if (wanted_.revision == e.failed_revision) return false;
   return wanted_.revision != e.revision || e.settled < wanted_.settle || wanted_.playing || wanted_.steps != e.steps ||
          wanted_.pick_serial != e.pick;
@@ -225,7 +228,7 @@ void Worker::run() {
     }
     if (render) {
       const bool failed_before = engine.failed_revision != ~uint64_t{0};
-      if (guarded(engine, [&] { publish(engine.frame(wanted)); })) {
+      if (guarded(engine, [&] { publish(wanted.paused ? engine.look(wanted) : engine.frame(wanted)); })) {
         if (failed_before) tell({.kind = EventKind::Mended});
         engine.failed_revision = ~uint64_t{0};
       } else {

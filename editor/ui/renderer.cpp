@@ -108,6 +108,18 @@ void Renderer::adopt(Renderer& other) {
   }
 }
 
+bool Renderer::copy(PictureId from, PictureId to) {
+  const Picture& picture = pictures_[size_t(from)];
+  if (!picture.image && picture.words.empty()) return false;
+  if (picture.image) {
+    set_picture(to, picture.size, std::span<const uint8_t>(texels(from)));
+  } else {
+    pictures_[size_t(to)] = picture;
+    pictures_[size_t(to)].changed = true;
+  }
+  return true;
+}
+
 std::vector<uint8_t> Renderer::texels(PictureId id) {
   const Picture& picture = pictures_[size_t(id)];
   std::vector<uint8_t> out;

@@ -56,6 +56,8 @@ class Renderer {
   void set_picture(PictureId id, const gpu::LentImage& image);
   // All that `other` keeps in host memory: for a renderer that takes its place on another device.
   void adopt(Renderer& other);
+  // A picture, of whatever kind, kept as another. False when there is none.
+  bool copy(PictureId from, PictureId to);
   // RGBA8 texels, from wherever they are; an image's are waited for. Empty when there is none, or it is of floats.
   std::vector<uint8_t> texels(PictureId id);
   // One of them, to be asked for in every frame: an image's comes with the next.

@@ -35,7 +35,8 @@ json write_environment(const Environment& e, const fs::path& folder) {
   if (e.kind == EnvironmentKind::Constant) return {{"color", vector(e.color)}};
   if (e.file.empty())
     fail(Exit::Output, "cannot write the environment down: its map came from no file; save the map first");
-  const fs::path map = fs::absolute(e.file).lexically_normal(), base = fs::absolute(folder).lexically_normal();
+  const fs::path map = fs::absolute(e.file).lexically_normal(),
+                 base = fs::absolute(folder.empty() ? "." : folder).lexically_normal();
   const fs::path inside = map.lexically_relative(base);
   const bool within = !inside.empty() && *inside.begin() != "..";
   return {{"hdr", (within ? inside : map).generic_string()},
