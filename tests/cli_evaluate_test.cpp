@@ -214,7 +214,15 @@ TEST_F(CliEvaluateTest, Figures) {
      "base": {"feedback.reprojection": "scatter", "denoise.method": "atrous"},
      "variants": [{"label": "still", "technique": "hbil"},
                   {"label": "aside", "technique": "hbil", "moved": [0.2, 0, 0]},
-                  {"label": "further", "technique": "hbil", "moved": [0.4, 0, 0]}]}]})";
+                  {"label": "further", "technique": "hbil", "moved": [0.4, 0, 0]}]},
+    {"id": "five", "title": "Lamp", "source": "nobody", "scene": "cornell.glb", "view": "cornell_lamp.json",
+     "kind": "direct", "picture": "direct",
+     "base": {"shadow.tiles": 0, "shadow.screen_samples": 32, "shadow.screen_thickness": 0},
+     "variants": [{"label": "open", "technique": "none", "params": {"shadow.enabled": false}},
+                  {"label": "short", "technique": "none", "params": {"shadow.screen_length": 0.3}},
+                  {"label": "long", "technique": "none", "params": {"shadow.screen_length": 1}},
+                  {"label": "map", "technique": "none",
+                   "params": {"shadow.tiles": 12, "shadow.screen_samples": 0}}]}]})";
   const auto measure = [&](const std::string& name, const std::string& figures, const Words& more = {}) {
     std::filesystem::create_directories(folder / name);
     std::ofstream(folder / name / "figures.json") << figures;
@@ -270,7 +278,21 @@ TEST_F(CliEvaluateTest, Figures) {
   EXPECT_GT(aside["rmse of holes"]["rmse"], aside["rmse of holes"]["floor"]);
   EXPECT_TRUE(figures[4]["rows"][0]["rmse of holes"].is_null()) << "there are none";
   EXPECT_EQ(figures[4]["rows"][0]["rmse of others"]["rmse"].get<double>(), 0);
+
+  const auto lamp = [&](size_t row, const char* of) { return figures[5]["rows"][row][of].get<double>(); };
+  EXPECT_EQ(lamp(0, "shadow found"), 0) << "no shadows at all";
+  EXPECT_EQ(lamp(0, "shadow made up"), 0);
+  EXPECT_GT(lamp(0, "bias"), 0.01);
+  EXPECT_GT(lamp(1, "shadow found"), 0.05);
+  EXPECT_GT(lamp(2, "shadow found"), lamp(1, "shadow found") + 0.1) << "further from what casts it";
+  EXPECT_LT(lamp(2, "bias"), lamp(1, "bias"));
+  EXPECT_GT(lamp(3, "shadow found"), 0.8) << "what a shadow map has is the path tracer's";
+  EXPECT_LT(lamp(3, "shadow made up"), 0.05);
+  const auto rmse = [&](size_t row) { return figures[5]["rows"][row]["rmse"]["rmse"].get<double>(); };
+  for (size_t row = 0; row < 3; ++row) EXPECT_LT(rmse(3), rmse(row)) << row;
+
   const std::string page = bytes_of(folder / "good.md");
+  EXPECT_EQ(image::read_png(folder / "pictures/figures/five.png").width, 5 * 52u - 4);
   EXPECT_NE(page.find(fmt::format("| thin | {:+.4f} |", bias(0))), std::string::npos) << page;
   EXPECT_NE(page.find("| – |"), std::string::npos) << "vbao has no light";
   EXPECT_NE(page.find("(pictures/figures/one.png)"), std::string::npos);

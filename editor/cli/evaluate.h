@@ -73,6 +73,8 @@ class TruthStore {
   // `albedo_limit`.
   const Truth* same_information_bounces(const reference::Buffers& buffers, const reference::MarchSettings& settings,
                                         float albedo_limit);
+  // `direct_diffuse` and `depth`.
+  const Truth* direct(const scene::Scene& scene, const scene::Camera& camera, const passes::FrameSettings& settings);
   // Made by this run, taken from disk.
   uint32_t made = 0, found = 0;
 
@@ -151,8 +153,14 @@ class FrameStage {
   // without fed-back light, before and after push-pull; how far the light in the holes and elsewhere is from what the
   // camera would have found here, over its mean.
   nlohmann::json holes(const passes::FrameSettings& settings, const glm::vec3& by, float degrees);
+  // Direct diffuse light against the path tracer's, over its mean; how much of what is in shadow there is dark here,
+  // and how much of what is not. `seen`, `truth`: both as pictures. null: interrupted.
+  nlohmann::json direct(const passes::FrameSettings& settings, TruthStore& store, image::Image& seen,
+                        image::Image& truth);
 
  private:
+  // The mean of a layer over frames of the technique itself.
+  image::Image mean(const passes::FrameSettings& settings, const char* layer, uint32_t seed, uint32_t frames);
   const EvaluateOptions& options_;
   scene::Scene scene_;
   passes::FrameView view_;
@@ -184,9 +192,9 @@ class Figures {
   // What of a row's ambient light follows the environment into the figure's `turned` view. False: interrupted.
   bool add_shading(gpu::Device& device, const EvaluateOptions& options, TruthStore& store, size_t figure,
                    const std::vector<FigureMeans>& means, nlohmann::json& rows);
-  // The rows of a figure of frames, as its `kind` says; null: interrupted.
-  nlohmann::json frame_rows(gpu::Device& device, const EvaluateOptions& options, size_t figure,
-                            const std::function<void(const std::string&)>& notice);
+  // The rows of a figure of frames, as its `kind` says, and what it shows as pictures; null: interrupted.
+  nlohmann::json frame_rows(gpu::Device& device, const EvaluateOptions& options, TruthStore& store, size_t figure,
+                            std::vector<image::Image>& pictures, const std::function<void(const std::string&)>& notice);
   nlohmann::json spec_, results_ = nlohmann::json::array();
   std::vector<Place> places_;
   std::vector<std::vector<Contender>> contenders_;

@@ -1,5 +1,5 @@
 // Figures that need frames one after another: the noise of a single frame, stage by stage, and the holes that a moved
-// camera leaves in what is fed back.
+// camera leaves in what is fed back; and those of direct light.
 #include <cmath>
 
 #include "cli/evaluate.h"
@@ -168,6 +168,58 @@ json FrameStage::holes(const passes::FrameSettings& settings, const glm::vec3& b
           {"holes left", double(left) / double(surfaces)},
           {"rmse of holes", rmse(hole, holes)},
           {"rmse of others", rmse(others, surfaces - holes)}};
+}
+
+image::Image FrameStage::mean(const passes::FrameSettings& settings, const char* name, uint32_t seed, uint32_t frames) {
+  const passes::Aov& layer = passes::find_aov(name);
+  const passes::Aov* const layers[] = {&layer};
+  passes::FrameView view = view_;
+  view.seed = seed;
+  for (uint32_t n = 0; n < frames; ++n) {
+    if (interrupted()) return {};
+    view.frame_index = n;
+    run_frame(*renderer_, view, settings, {.layers = layers, .mean = n, .forget = n == 0});
+  }
+  return to_layer(layer, renderer_->executor().take_readbacks().front()).image;
+}
+
+json FrameStage::direct(const passes::FrameSettings& of, TruthStore& store, image::Image& seen, image::Image& truth) {
+  passes::FrameSettings settings = of, lit = of;
+  settings.reconstruct = lit.reconstruct = false;
+  lit.shadow.enabled = false;
+  const Truth* traced = store.direct(scene_, view_.camera, settings);
+  if (!traced) return nullptr;
+  const uint32_t half = (options_.frames + 1) / 2;
+  const image::Halves test{mean(settings, "direct_diffuse", 2 * options_.seed, half),
+                           mean(settings, "direct_diffuse", 2 * options_.seed + 1, half)};
+  const image::Image open = mean(lit, "direct_diffuse", options_.seed, 1), depth = mean(lit, "depth", options_.seed, 1);
+  if (interrupted()) return nullptr;
+  const image::Halves& path = traced->at("direct_diffuse");
+  uint64_t left_out = 0;
+  const std::vector<uint8_t> mask = image::common_surfaces(depth.pixels, traced->at("depth").a.pixels, left_out);
+  seen = image::mean_of(test), truth = image::mean_of(path);
+  const double average = image::bias({truth, truth, mask}).reference;
+  if (!(average > 0)) fail(Exit::Input, "there is no direct light in this view: give it a lamp");
+  // Where light could arrive, the share that does not.
+  const auto sum = [](const image::Image& light, size_t pixel) {
+    double all = 0;
+    for (uint32_t c = 0; c < 3; ++c) all += double(light.pixels[pixel * light.channels + c]);
+    return all;
+  };
+  double dark[2] = {}, pixels[2] = {};  // where the path tracer has light, and where it has shadow
+  for (size_t p = 0; p < mask.size(); ++p) {
+    const double most = sum(open, p);
+    if (!mask[p] || most <= 0) continue;
+    const bool shadow = sum(truth, p) < 0.5 * most;
+    dark[shadow] += 1 - sum(seen, p) / most;
+    pixels[shadow] += 1;
+  }
+  const image::ErrorPart part = image::error_between(test, path, mask);
+  const auto share = [&](bool shadow) { return pixels[shadow] > 0 ? json(dark[shadow] / pixels[shadow]) : json(); };
+  return {{"rmse", {{"rmse", part.rmse / average}, {"floor", part.floor / average}}},
+          {"bias", part.bias / average},
+          {"shadow found", share(true)},
+          {"shadow made up", share(false)}};
 }
 
 }  // namespace nf::editor

@@ -73,7 +73,8 @@ std::vector<std::string> frame_columns(const json& figure) {
   const std::string kind = figure["kind"];
   if (kind == "noise") return {"pixel", "4x4"};
   if (kind == "holes") return {"holes", "holes left", "rmse of holes", "rmse of others"};
-  fail(Exit::Input, "bad kind '{}' of '{}': noise or holes", kind, figure["id"].get<std::string>());
+  if (kind == "direct") return {"rmse", "bias", "shadow found", "shadow made up"};
+  fail(Exit::Input, "bad kind '{}' of '{}': noise, holes or direct", kind, figure["id"].get<std::string>());
 }
 std::string frame_value(const json& row, const std::string& column) {
   const json& value = row[column];
@@ -83,6 +84,7 @@ std::string frame_value(const json& row, const std::string& column) {
     return fmt::format("{}{:.1f} %", rmse < floor ? "< " : "", 100 * std::max(rmse, floor));
   }
   const double x = value;
+  if (column == "bias") return fmt::format("{:+.1f} %", 100 * x);
   return column == "pixel" || column == "4x4" ? fmt::format("{:.3g}", x) : fmt::format("{:.1f} %", 100 * x);
 }
 
@@ -180,10 +182,15 @@ bool Figures::run(gpu::Device& device, const EvaluateOptions& options, TruthStor
   for (size_t i = 0; i < places_.size(); ++i) {
     json figure = spec_["figures"][i];
     if (of_frames(figure)) {
-      figure["rows"] = frame_rows(device, options, i, [&](const std::string& label) {
+      std::vector<image::Image> shown;
+      figure["rows"] = frame_rows(device, options, store, i, shown, [&](const std::string& label) {
         notice(done++, fmt::format("{}, {}", figure["id"].get<std::string>(), label));
       });
       if (figure["rows"].is_null()) return false;
+      if (!shown.empty() && !figure.value("picture", "").empty()) {
+        figure["picture_file"] = figure["id"].get<std::string>() + ".png";
+        image::write_png(pictures / figure["picture_file"].get<std::string>(), strip(shown));
+      }
       results_.push_back(figure);
       continue;
     }
@@ -305,23 +312,28 @@ bool Figures::add_shading(gpu::Device& device, const EvaluateOptions& options, T
   return true;
 }
 
-json Figures::frame_rows(gpu::Device& device, const EvaluateOptions& options, size_t figure,
-                         const std::function<void(const std::string&)>& notice) {
+json Figures::frame_rows(gpu::Device& device, const EvaluateOptions& options, TruthStore& store, size_t figure,
+                         std::vector<image::Image>& pictures, const std::function<void(const std::string&)>& notice) {
   FrameStage stage(device, options, places_[figure]);
   const json& spec = spec_["figures"][figure];
+  const std::string kind = spec["kind"];
   json rows = json::array();
+  image::Image seen, truth;
   for (size_t n = 0; n < contenders_[figure].size(); ++n) {
     const Contender& contender = contenders_[figure][n];
     const json& variant = spec["variants"][n];
     notice(contender.label);
     const std::vector<float> by = variant.value("moved", std::vector<float>{0, 0, 0});
-    json row = spec["kind"] == "noise"
-                   ? stage.noise(contender.settings, variant.value("frames", 1u))
+    json row = kind == "noise" ? stage.noise(contender.settings, variant.value("frames", 1u))
+               : kind == "direct"
+                   ? stage.direct(contender.settings, store, seen, truth)
                    : stage.holes(contender.settings, {by.at(0), by.at(1), by.at(2)}, variant.value("turned", 0.0f));
     if (row.is_null()) return nullptr;
     row["contender"] = contender.label;
     rows.push_back(row);
+    if (kind == "direct") pictures.push_back(seen);
   }
+  if (kind == "direct") pictures.push_back(truth);
   return rows;
 }
 

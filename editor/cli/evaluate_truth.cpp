@@ -121,6 +121,18 @@ const Truth* TruthStore::path_traced_bounces(const scene::Scene& scene, const sc
   });
 }
 
+const Truth* TruthStore::direct(const scene::Scene& scene, const scene::Camera& camera,
+                                const passes::FrameSettings& settings) {
+  const reference::Settings s = tracer_settings(camera, settings);
+  const std::vector<std::string> layers = {"direct_diffuse", "depth"};
+  Fingerprint f;
+  f.add(reference_version), f.add(options_.spp), f.add(reference::fingerprint(scene, s, layers));
+  return get("direct", f.value(), [&](Truth& truth) {
+    reference::Tracer tracer(scene, s, layers);
+    return sample(tracer, options_.spp, options_.spp, notice_, "path tracing direct light", truth);
+  });
+}
+
 namespace {
 
 // Everything that decides what a marcher finds.
