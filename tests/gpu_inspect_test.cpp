@@ -92,6 +92,7 @@ TEST_F(Inspect, RecordsAddUpToThePixel) {
       {"hbil", {}},
       {"hbil", {"hbil.space=local"}},
       {"hbil", {"hbil.space=local", "hbil.printed_sign=true", "hbil.reject=running"}},
+      {"hbil", {"hbil.reject=code"}},
       {"ssao", {}},
       {"ssao", {"ssao.kernel=chapman", "ssao.range=quadratic", "ssao.self=bias", "ssao.damping=0.05"}},
       {"ssdo", {}},

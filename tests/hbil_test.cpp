@@ -320,8 +320,88 @@ TEST(Hbil, LightOfSurfacesTurnedAway) {
   EXPECT_LT(away.visibility, 0.8f) << "it still occludes";
   twin::hbil.reject = twin::REJECT_RUNNING;
   EXPECT_LT(mean(pixel, 1).gi.x, 0.02) << "the dark floor's light stays";
+  twin::hbil.reject = twin::REJECT_CODE;
+  EXPECT_LT(mean(pixel, 1).gi.x, 0.02) << "no trust left where it might be tolerant, higher up";
   twin::hbil.reject = 2;
-  EXPECT_GT(mean(pixel, 1).gi.x, 0.2);
+  const float all = mean(pixel, 1).gi.x;
+  EXPECT_GT(all, 0.2);
+  // Turned to the receiver all count fully, but with the code's fade.
+  use(bed);
+  twin::hbil.reject = 0;
+  EXPECT_NEAR(mean(pixel, 1).gi.x, all, 1e-6);
+  twin::hbil.reject = twin::REJECT_CODE;
+  EXPECT_LT(mean(pixel, 1).gi.x, 0.99 * all);
+  EXPECT_GT(mean(pixel, 1).gi.x, 0.7 * all);
+}
+
+// The filter of the author's code (ComputeHBIL_Interleaved.hlsl, BilateralFilterDepth and SampleIrradiance_TEMP)
+// written out once more, in double precision and with the code's own signs, over sides of random samples.
+TEST(Hbil, RejectionAsInTheCode) {
+  struct Code {
+    double weight = 1;
+    dvec3 radiance;
+    void sample(dvec3 center_to_sample, dvec3 center_normal, dvec3 normal, dvec3 sampled, bool vertical) {
+      const auto saturate = [](double x) { return std::clamp(x, 0.0, 1.0); };
+      const auto smooth = [&](double a, double b, double x) {
+        const double t = saturate((x - a) / (b - a));
+        return t * t * (3 - 2 * t);
+      };
+      const double distance = glm::length(center_to_sample);
+      const dvec3 to_center = -center_to_sample / distance;
+      const double verticality = vertical ? smooth(0.5, 0.9, saturate(-glm::dot(to_center, center_normal))) : 0;
+      const double low = (1 - verticality) * -0.04 + verticality * -0.8,
+                   high = (1 - verticality) * -0.02 + verticality * -0.4;
+      weight *= smooth(low, high, glm::dot(to_center, normal));
+      const double fade = 1 - saturate(0.5 * distance) * std::pow(1 - saturate(glm::dot(to_center, normal)), 2);
+      radiance = (1 - weight) * radiance + weight * fade * sampled;
+    }
+  };
+  std::mt19937 engine(3);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<float> uniform;
+  const auto direction = [&] { return glm::normalize(vec3(normal(engine), normal(engine), normal(engine))); };
+  constexpr int samples = 6;
+  double worst = 0, without_verticality = 0, other = 0;
+  int faded = 0, trusted = 0;
+  defaults(4, 1, samples);
+  for (int side = 0; side < 500; ++side) {
+    std::vector<bed::Texel> texels(samples + 1);
+    for (bed::Texel& texel : texels) {
+      texel.normal = direction();
+      texel.radiance = vec3(uniform(engine), uniform(engine), uniform(engine));
+    }
+    twin::fetch = [&](ivec2 p) { return texels.at(size_t(p.x)); };
+    twin::Receiver receiver{};
+    receiver.pixel = {samples, 0};
+    receiver.normal = direction();
+    Code code{1, texels[samples].radiance}, flat = code;
+    twin::Running running = twin::start_running(receiver), blended = running;
+    for (int i = 0; i < samples; ++i) {
+      twin::Tap tap{};
+      tap.texel = {i, 0};
+      tap.towards = 3 * uniform(engine) * direction();
+      // Over the receiver's plane, and mostly turned to it: else trust is gone with the first.
+      if (glm::dot(tap.towards, receiver.normal) < 0) tap.towards = -tap.towards;
+      if (uniform(engine) < 0.7f) texels[size_t(i)].normal = -glm::normalize(tap.towards + 0.8f * direction());
+      twin::hbil.reject = twin::REJECT_CODE;
+      const vec3 light = twin::sample_light(receiver, tap, running);
+      code.sample(tap.towards, receiver.normal, texels[size_t(i)].normal, texels[size_t(i)].radiance, true);
+      flat.sample(tap.towards, receiver.normal, texels[size_t(i)].normal, texels[size_t(i)].radiance, false);
+      twin::hbil.reject = twin::REJECT_RUNNING;
+      const vec3 blend = twin::sample_light(receiver, tap, blended);
+      worst = std::max(worst, glm::length(dvec3(light) - code.radiance));
+      without_verticality = std::max(without_verticality, glm::length(flat.radiance - code.radiance));
+      other = std::max(other, glm::length(dvec3(blend) - code.radiance));
+      faded += running.trust < 0.01f;
+      trusted += running.trust > 0.99f;
+    }
+  }
+  // Radiance has 9 bits, a normal 16.
+  EXPECT_LT(worst, 5e-3);
+  EXPECT_GT(without_verticality, 0.3) << "control";
+  EXPECT_GT(other, 0.3) << "control: the paper's text is another filter";
+  EXPECT_GT(faded, 300);
+  EXPECT_GT(trusted, 300);
 }
 
 // Section 2.1: without the normal a tilted surface is no more open than one that faces the eye.

@@ -13,9 +13,9 @@
     "Horizons start at the tangent plane; off (local space only): at 90 degrees "                                    \
     "from the view vector")                                                                                          \
   P(Bool, printed_sign, 0, 0, 1, "", "Local space: equations 5 and 11 with the sign as printed")                     \
-  P(Choice, reject, 0, 0, 2, "one_sided|running|none",                                                               \
+  P(Choice, reject, 0, 0, 3, "one_sided|running|none|code",                                                          \
     "Light of surfaces turned away: none; the last facing sample's, blended by reject_from and reject_to; as if it " \
-    "faced")                                                                                                         \
+    "faced; as the author's code does it, more tolerant straight above, and none beyond what is turned away")        \
   P(Float, reject_from, -0.4f, -1.0f, 1.0f, "", "Cosine from which on a sample's light counts, for `running`")       \
   P(Float, reject_to, 0.0f, -1.0f, 1.0f, "", "Cosine from which on it counts fully, for `running`")                  \
   P(Choice, cone, 0, 0, 2, "cosine|printed|uniform",                                                                 \

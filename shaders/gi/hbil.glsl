@@ -11,6 +11,7 @@
 const int SPACE_SHARED = 0;
 const int REJECT_ONE_SIDED = 0;
 const int REJECT_RUNNING = 1;
+const int REJECT_CODE = 3;
 const int CONE_COSINE = 0;
 const int CONE_UNIFORM = 2;
 const int FAR_SH_CONE = 0;
@@ -71,14 +72,40 @@ vec3 cone_bands(float cone) {
 
 // --- a sample's light ---
 
-// `last`: the light of the samples before.
-vec3 sample_light(Tap tap, vec3 last) {
+// What a side of a slice remembers of the samples before.
+struct Running {
+  vec3 light;
+  float trust;  // REJECT_CODE: how much of a further one still counts
+};
+
+Running start_running(Receiver receiver) {
+  Running running;
+  running.light = unpack_rgb9e5(FETCH_RADIANCE(receiver.pixel));
+  running.trust = 1.0f;
+  return running;
+}
+
+vec3 sample_light(Receiver receiver, Tap tap, INOUT(Running) running) {
   vec3 light = unpack_rgb9e5(FETCH_RADIANCE(tap.texel));
   if (HBIL_REJECT == REJECT_ONE_SIDED)
     return dot(unpack_normal_octahedron(FETCH_NORMAL(tap.texel)), tap.towards) < 0.0f ? light : vec3(0.0f);
   if (HBIL_REJECT == REJECT_RUNNING) {
     float facing = -dot(unpack_normal(FETCH_NORMAL(tap.texel)), normalize(tap.towards));
-    return mix(last, light, smoothstep(hbil.reject_from, hbil.reject_to, facing));
+    running.light = mix(running.light, light, smoothstep(hbil.reject_from, hbil.reject_to, facing));
+    return running.light;
+  }
+  if (HBIL_REJECT == REJECT_CODE) {
+    // Mayaux's ComputeHBIL_Interleaved.hlsl: what is straight above may be turned away further; trust that is lost does not come
+    // back; light from aslant fades, fully from 2 m on.
+    float apart = length(tap.towards);
+    vec3 direction = tap.towards / max(apart, 1e-6f);
+    float facing = -dot(unpack_normal(FETCH_NORMAL(tap.texel)), direction);
+    float above = smoothstep(0.5f, 0.9f, dot(receiver.normal, direction));
+    running.trust *= smoothstep(mix(-0.04f, -0.8f, above), mix(-0.02f, -0.4f, above), facing);
+    float aslant = 1.0f - clamp(facing, 0.0f, 1.0f);
+    float fade = 1.0f - clamp(0.5f * apart, 0.0f, 1.0f) * aslant * aslant;
+    running.light = mix(running.light, fade * light, running.trust);
+    return running.light;
   }
   return light;
 }
@@ -94,15 +121,14 @@ void shared_side(Receiver receiver, Slice slice, Side side, float total, float w
   float horizon = 1.0f;
   float covered = 0.0f;
   vec3 light = vec3(0.0f);
-  vec3 running = unpack_rgb9e5(FETCH_RADIANCE(receiver.pixel));
+  Running running = start_running(receiver);
   for (int i = 0; i < steps.count && side.pixels >= 1.0f; ++i) {
     Tap tap = take_tap(receiver, side, steps, i);
     INSPECT_HORIZON(horizon, covered, light);
     float s = tap.depth > 0.0f ? side_sine(tap.s, tap.c, tap.m, side.sin_gamma) : 1.0f;
     if (s < horizon) {
-      running = sample_light(tap, running);
       float share = share_over(measure, s);
-      light += (share - covered) * running;
+      light += (share - covered) * sample_light(receiver, tap, running);
       covered = share;
       horizon = s;
     }
@@ -140,15 +166,14 @@ float local_side(Receiver receiver, Side side, vec2 n, float start, float share,
   Steps steps = make_steps();
   float highest = start;
   float theta = acos(clamp(start, -1.0f, 1.0f));
-  vec3 running = unpack_rgb9e5(FETCH_RADIANCE(receiver.pixel));
+  Running running = start_running(receiver);
   for (int i = 0; i < steps.count && side.pixels >= 1.0f; ++i) {
     Tap tap = take_tap(receiver, side, steps, i);
     float cosine = dot(tap.towards, receiver.v) * inversesqrt(dot(tap.towards, tap.towards) + 1e-30f);
     INSPECT_HORIZON(theta, 0.0f, sums.gi);
     if (tap.depth > 0.0f && cosine > highest) {
-      running = sample_light(tap, running);
       float risen = acos(min(cosine, 1.0f));
-      sums.gi += share * horizon_increment(n, risen, theta) * running;
+      sums.gi += share * horizon_increment(n, risen, theta) * sample_light(receiver, tap, running);
       highest = cosine;
       theta = risen;
     }
