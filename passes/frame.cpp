@@ -155,6 +155,10 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
                             settings.temporal);
     out.direct.radiance = feedback.radiance;
   }
+  if (settings.technique->gathers_specular && settings.technique->gathers_specular(settings.gi)) {
+    graph.optional(out.direct.radiance);
+    out.direct.radiance = add_specular_source(graph, lighting_, out.direct);
+  }
   const PixelGrid grid =
       settings.reconstruct ? make_grid(settings.resolution.gi, view.frame_index, averaged) : PixelGrid{};
   GiSettings gi = settings.gi;

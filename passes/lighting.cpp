@@ -80,6 +80,17 @@ Radiance add_direct(graph::Graph& graph, LightingPass& pass, const GBuffer& g, c
   return out;
 }
 
+graph::Tex add_specular_source(graph::Graph& graph, const LightingPass& pass, const Radiance& direct) {
+  graph::ImageDesc desc = graph.desc(direct.radiance);
+  const graph::Tex all = graph.image("direct.all", desc);
+  graph
+      .fullscreen("direct.add_specular", pass.pipelines->fullscreen("direct_all.frag"), "The GI's source with specular")
+      .in("radiance", direct.radiance)
+      .in("direct_specular", direct.specular)
+      .out("all", all);
+  return all;
+}
+
 graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& g, const Radiance& direct,
                          const GiResult& gi, const SceneTables& scene, const EnvironmentMaps& environment) {
   const graph::Tex lit = graph.image("composite.lit", {g.size, VK_FORMAT_R16G16B16A16_SFLOAT});

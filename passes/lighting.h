@@ -48,6 +48,8 @@ gpu::Defines light_defines(bool sun_map, bool tile_maps, bool grid, bool screen 
 void feed_lights(graph::Graph& graph, graph::PassBuilder& pass, const DirectLights& lights);
 
 Radiance add_direct(graph::Graph& graph, LightingPass& pass, const GBuffer& gbuffer, const DirectLights& lights);
+// What is gathered, with the direct specular light as the eye sees it.
+graph::Tex add_specular_source(graph::Graph& graph, const LightingPass& pass, const Radiance& direct);
 // RGBA16F, linear radiance before tone mapping.
 graph::Tex add_composite(graph::Graph& graph, const LightingPass& pass, const GBuffer& gbuffer, const Radiance& direct,
                          const GiResult& gi, const SceneTables& scene, const EnvironmentMaps& environment);

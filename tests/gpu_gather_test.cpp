@@ -152,6 +152,52 @@ TEST_F(Gather, BothModesGiveAllTheirOutputs) {
   EXPECT_FALSE(shoot(scene, {.size = {33, 19}, .camera = camera, .settings = settings}).layers.contains("gi_raw"));
 }
 
+// ssao.specular: the light that is gathered is the direct light of the picture, and emission; without it, or where
+// materials have no specular light, the diffuse part alone.
+TEST_F(Gather, SpecularLightIsGatheredWhereAsked) {
+  content::Builder b;
+  b.quad({-3, 0, 3}, {3, 0, 3}, {3, 0, -1.2f}, {-3, 0, -1.2f},
+         b.material({.base_color = vec3(0.6f), .metallic = 0.7f, .roughness = 0.5f}));
+  b.quad({-3, 0, -1.2f}, {3, 0, -1.2f}, {3, 2, -1.2f}, {-3, 2, -1.2f}, b.material({.base_color = vec3(0.7f)}));
+  b.point_light({0.3f, 0.6f, -1.1f}, 2);  // the eye sees it mirrored at the foot of the wall
+  const scene::Scene scene = load(b);
+  constexpr glm::uvec2 size{48, 27};
+  const auto shot = [&](const char* technique, bool specular, bool lambert, bool bleed = true) {
+    passes::FrameSettings settings = settings_for(technique);
+    settings.gi.ssao.specular = specular;
+    settings.gi.ssao.bleed = bleed;
+    settings.material.lambert = lambert;
+    return shoot(scene, {.size = size, .camera = camera, .settings = settings});
+  };
+  const auto light = [&](const Shot& of) {
+    double all = 0;
+    for (int i = 0; i < int(size.x * size.y); ++i)
+      all += double(of.value("gi_raw", {i % int(size.x), i / int(size.x)}, 1));
+    return all;
+  };
+  const Shot with = shot("ssao", true, false), without = shot("ssao", false, false);
+  int apart = 0, shines = 0;
+  for (int i = 0; i < int(size.x * size.y); ++i) {
+    const ivec2 p(i % int(size.x), i / int(size.x));
+    const float all = with.value("direct", p, 1), diffuse = with.value("direct_diffuse", p, 1);
+    // 9 bits, and halves.
+    apart += std::abs(with.value("radiance", p, 1) - all) > 0.004f * all + 1e-4f;
+    apart += std::abs(without.value("radiance", p, 1) - diffuse) > 0.004f * diffuse + 1e-4f;
+    shines += all > 1.2f * diffuse + 0.01f;
+  }
+  EXPECT_EQ(apart, 0);
+  EXPECT_GT(shines, 40);
+  EXPECT_GT(light(with), 1.05 * light(without));
+  EXPECT_EQ(with.layer("visibility").pixels, without.layer("visibility").pixels);
+  EXPECT_EQ(shot("ssao", true, true).layer("gi_raw").pixels, shot("ssao", false, true).layer("gi_raw").pixels)
+      << "control: no specular light";
+  EXPECT_EQ(shot("ssdo", true, false).layer("gi_raw").pixels, shot("ssdo", false, false).layer("gi_raw").pixels)
+      << "control: ssao's alone";
+  EXPECT_EQ(shot("ssao", true, false, false).layer("radiance").pixels, without.layer("radiance").pixels)
+      << "nobody gathers";
+  EXPECT_TRUE(passes::find_technique("ssao").gathers_specular(settings_for("ssao", true).gi)) << "as the report does";
+}
+
 TEST_F(Gather, HbilIsVbgiWithInfiniteThickness) {
   scene::Scene scene = load(corner());
   scene.environment.color = {0.4f, 0.5f, 0.6f};

@@ -19,6 +19,8 @@
     "not `bias` in front of the point, does not occlude")                                                          \
   P(Float, bias, 0.025f, 0.0f, 1.0f, "m", "For self = bias")                                                       \
   P(Bool, bleed, 1, 0, 1, "", "Occluders send their light: colour bleeding")                                       \
+  P(Bool, specular, 0, 0, 1, "",                                                                                   \
+    "What they send is all direct light as the eye sees it, specular too; else diffuse light alone")               \
   P(Choice, sender, 0, 0, 1, "disc|point",                                                                         \
     "An occluder's size: a disc, its share of the hemisphere's base; or, as printed, sender_area / distance^2")    \
   P(Float, sender_area, 0.05f, 0.0f, 100.0f, "m^2", "For sender = point")                                          \

@@ -24,7 +24,7 @@ constexpr const char* hbil_paper[] = {"hbil.space=local",  "hbil.printed_sign=tr
                                       "hbil.cone=printed", "hbil.far=factor",        "gi.step_exponent=1"};
 constexpr const char* ssao_paper[] = {"gi.noise=4x4",   "ssao.kernel=chapman", "ssao.range=quadratic",
                                       "ssao.self=bias", "ssao.sender=point",   "ssao.damping=0.05",
-                                      "ssao.blur=true"};
+                                      "ssao.blur=true", "ssao.specular=true"};
 constexpr const char* ssdo_paper[] = {"gi.noise=4x4", "ssdo.directions=uniform", "ssdo.sender=clamped",
                                       "ssdo.fade=0.25", "ssdo.blur=true"};
 
@@ -91,7 +91,7 @@ const Technique table[] = {
      [](GiSettings& s) {
        return ParamBlock{&SsaoParams::table(), &s.ssao};
      },
-     true, true},
+     true, true, nullptr, [](const GiSettings& s) { return s.ssao.bleed && s.ssao.specular; }},
     {"ssdo", "Screen-space directional occlusion",
      "Ritschel, Grosch, Seidel: Approximating Dynamic Global Illumination in Image Space (2009)",
      "visibility, bent, gi, ambient", ssdo_paper,

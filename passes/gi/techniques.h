@@ -39,6 +39,8 @@ struct Technique {
   bool infinitely_thick = false, in_ball = false;
   // Whether, as set, it takes the scene's own radius for gi.radius (scene/peaks.h).
   bool (*finds_radius)(const GiSettings&) = nullptr;
+  // Whether, as set, it gathers direct specular light, too.
+  bool (*gathers_specular)(const GiSettings&) = nullptr;
 };
 
 std::span<const Technique> techniques();
