@@ -34,6 +34,9 @@ inline HbilParams hbil;
 inline glm::vec3 ambient_of(glm::ivec2) {
   return glm::vec3(0);
 }
+// The mean over the surfaces of a texel of the mips; the last of a row or column has what is left over.
+inline glm::vec3 radiance_level(glm::ivec2 texel, int level);
+constexpr int RADIANCE_LEVELS = 6;
 // A white environment, as hbil.comp has a constant one.
 inline glm::vec3 environment_cone(glm::vec3 direction, float cone, float ao);
 
@@ -55,6 +58,7 @@ inline glm::vec3 environment_cone(glm::vec3 direction, float cone, float ao);
 #define HBIL_NORMAL_START hbil.normal_start
 #define HBIL_PRINTED_SIGN hbil.printed_sign
 #define HBIL_REJECT hbil.reject
+#define HBIL_MIPS hbil.mips
 #define HBIL_CONE hbil.cone
 #define HBIL_FAR hbil.far
 NF_GLSL_BEGIN
@@ -68,6 +72,20 @@ namespace twin {
 
 inline glm::vec3 environment_cone(glm::vec3, float cone, float ao) {
   return glm::vec3(HBIL_FAR == FAR_SH_CONE ? cone_bands(cone).x : HBIL_FAR == FAR_FACTOR ? energy_factor(ao) : ao);
+}
+
+inline glm::vec3 radiance_level(glm::ivec2 texel, int level) {
+  const glm::ivec2 size = max(glm::ivec2(frame.size.x >> level, frame.size.y >> level), glm::ivec2(1));
+  const glm::ivec2 at = min(glm::ivec2(texel.x >> level, texel.y >> level), size - 1);
+  glm::vec3 sum(0);
+  int surfaces = 0;
+  for (int y = at.y << level; y < (at.y + 1 == size.y ? frame.size.y : (at.y + 1) << level); ++y)
+    for (int x = at.x << level; x < (at.x + 1 == size.x ? frame.size.x : (at.x + 1) << level); ++x) {
+      if (FETCH_DEPTH(glm::ivec2(x, y)) <= 0) continue;
+      sum += unpack_rgb9e5(FETCH_RADIANCE(glm::ivec2(x, y)));
+      ++surfaces;
+    }
+  return surfaces ? sum / float(surfaces) : glm::vec3(0);
 }
 
 // The mean over frames of `estimate`.

@@ -198,6 +198,85 @@ TEST_F(Gather, SpecularLightIsGatheredWhereAsked) {
   EXPECT_TRUE(passes::find_technique("ssao").gathers_specular(settings_for("ssao", true).gi)) << "as the report does";
 }
 
+// hbil.mips: the levels are means over surfaces, at sizes that cannot be halved too; light that is the same everywhere
+// stays what it is, and small lamps make less noise.
+TEST_F(Gather, LightFromMips) {
+  const auto hbil = [&](bool mips) {
+    passes::FrameSettings settings = settings_for("hbil");
+    settings.gi.hbil.mips = mips;
+    settings.gi.shared.radius = 4;
+    settings.gi.shared.steps = 6;  // wide ones
+    return settings;
+  };
+  scene::Scene scene = load(corner());
+  scene.environment.color = {0.4f, 0.5f, 0.6f};
+  for (const glm::uvec2 size : {glm::uvec2(51, 29), glm::uvec2(3, 5), glm::uvec2(1, 1)}) {
+    const Request request{.size = size, .camera = camera, .settings = hbil(true)};
+    const Shot shot = shoot(scene, request);
+    look_at(shot, size, scene, request);
+    twin::bitmask = {};
+    twin::gi.radius = 4;
+    twin::gi.steps = 6;
+    twin::hbil = {};
+    int apart = 0, from_texels = 0;
+    for (int i = 0; i < int(size.x * size.y); ++i) {
+      const ivec2 p(i % int(size.x), i / int(size.x));
+      const auto differs = [&](bool mips) {
+        twin::hbil.mips = mips;
+        const float light = twin::estimate_hbil(p).gi.y;
+        return std::abs(shot.value("gi_raw", p, 1) - light) > 2e-3f + 3e-3f * light;
+      };
+      apart += differs(true);
+      from_texels += differs(false);
+    }
+    EXPECT_LE(apart, int(size.x * size.y) / 50) << size.x;
+    EXPECT_GE(from_texels, size.x > 9 ? int(size.x * size.y) / 20 : 0) << "control";
+  }
+
+  // A room whose every face shines alike, and lamps on the walls of a dark one.
+  for (const bool alike : {true, false}) {
+    content::Builder b;
+    const auto wall = b.material({.base_color = vec3(0), .emissive = vec3(alike ? 0.7f : 0)});
+    const auto lamp = b.material({.base_color = vec3(0), .emissive = vec3(alike ? 0.7f : 20)});
+    b.room({0, 1, 0}, vec3(1), wall);
+    for (int i = 0; i < 9; ++i) {
+      const float x = -0.8f + 0.2f * float(i), y = 0.3f + 0.17f * float(i), r = 0.04f, z = -0.999f;
+      b.quad({x - r, y - r, z}, {x + r, y - r, z}, {x + r, y + r, z}, {x - r, y + r, z}, lamp);
+    }
+    const scene::Scene room = load(b);
+    double variance[2] = {}, mean[2] = {};
+    Shot shots[2];
+    for (const bool mips : {false, true}) {
+      constexpr uint32_t seeds = 6;
+      std::vector<double> sum(64 * 36), squares(64 * 36);
+      for (uint32_t seed = 1; seed <= seeds; ++seed) {
+        shots[mips] = shoot(
+            room,
+            {.size = {64, 36}, .camera = look({0, 1, 0.9f}, {0, 0.9f, -1}, 80), .settings = hbil(mips), .seed = seed});
+        for (size_t i = 0; i < sum.size(); ++i) {
+          const double x = shots[mips].value("gi_raw", {int(i) % 64, int(i) / 64});
+          sum[i] += x, squares[i] += x * x;
+        }
+      }
+      for (size_t i = 0; i < sum.size(); ++i) {
+        variance[mips] += (squares[i] - sum[i] * sum[i] / seeds) / (seeds - 1) / double(sum.size());
+        mean[mips] += sum[i] / seeds / double(sum.size());
+      }
+    }
+    if (alike) {
+      for (int i = 0; i < 64 * 36; ++i) {
+        const float x = shots[0].value("gi_raw", {i % 64, i / 64});
+        EXPECT_NEAR(shots[1].value("gi_raw", {i % 64, i / 64}), x, 2e-3f * x + 1e-5f) << i;
+      }
+      EXPECT_GT(mean[0], 0.1);
+    } else {
+      std::printf("mips: variance x %.3f, mean x %.3f\n", variance[1] / variance[0], mean[1] / mean[0]);
+      EXPECT_LT(variance[1], 0.7 * variance[0]);
+      EXPECT_NEAR(mean[1] / mean[0], 1, 0.3);
+    }
+  }
+}
+
 TEST_F(Gather, HbilIsVbgiWithInfiniteThickness) {
   scene::Scene scene = load(corner());
   scene.environment.color = {0.4f, 0.5f, 0.6f};

@@ -384,11 +384,11 @@ TEST(Hbil, RejectionAsInTheCode) {
       if (glm::dot(tap.towards, receiver.normal) < 0) tap.towards = -tap.towards;
       if (uniform(engine) < 0.7f) texels[size_t(i)].normal = -glm::normalize(tap.towards + 0.8f * direction());
       twin::hbil.reject = twin::REJECT_CODE;
-      const vec3 light = twin::sample_light(receiver, tap, running);
+      const vec3 light = twin::sample_light(receiver, tap, 0, running);
       code.sample(tap.towards, receiver.normal, texels[size_t(i)].normal, texels[size_t(i)].radiance, true);
       flat.sample(tap.towards, receiver.normal, texels[size_t(i)].normal, texels[size_t(i)].radiance, false);
       twin::hbil.reject = twin::REJECT_RUNNING;
-      const vec3 blend = twin::sample_light(receiver, tap, blended);
+      const vec3 blend = twin::sample_light(receiver, tap, 0, blended);
       worst = std::max(worst, glm::length(dvec3(light) - code.radiance));
       without_verticality = std::max(without_verticality, glm::length(flat.radiance - code.radiance));
       other = std::max(other, glm::length(dvec3(blend) - code.radiance));

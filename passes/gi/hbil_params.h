@@ -18,6 +18,8 @@
     "faced; as the author's code does it, more tolerant straight above, and none beyond what is turned away")        \
   P(Float, reject_from, -0.4f, -1.0f, 1.0f, "", "Cosine from which on a sample's light counts, for `running`")       \
   P(Float, reject_to, 0.0f, -1.0f, 1.0f, "", "Cosine from which on it counts fully, for `running`")                  \
+  P(Bool, mips, 0, 0, 1, "",                                                                                         \
+    "A sample's light is the mean over surfaces in view about as wide as its step: less noise, and halos")           \
   P(Choice, cone, 0, 0, 2, "cosine|printed|uniform",                                                                 \
     "The bent cone's aperture: asin sqrt(AO) of cosine-weighted AO; as printed acos(1 - AO) of it; that of uniform " \
     "AO")                                                                                                            \

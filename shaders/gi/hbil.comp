@@ -1,6 +1,7 @@
 // HBIL over the pixels. The bent cone is the bent normal and, in w, the cosine of its half aperture.
 #version 460
 #include "params/hbil"
+#include "common/pack.glsl"
 #include "gi/inputs.glsl"
 
 FETCH_UINT_IMAGE(radiance);
@@ -12,6 +13,21 @@ uniform writeonly image2D ambient;
 #ifdef ENVIRONMENT_MAP
 #include "common/environment.glsl"
 #endif
+
+#if HBIL_MIPS
+uniform texture2D radiance_mips;  // from half the size on
+#endif
+const int RADIANCE_LEVELS = 6;  // beside the full one
+vec3 radiance_level(ivec2 texel, int level) {
+#if HBIL_MIPS
+  int last = textureQueryLevels(radiance_mips);
+  // One level after the other: a software device reads all of a group from the level of the first.
+  for (int mip = 0; mip < RADIANCE_LEVELS; ++mip)
+    if (mip + 1 == min(level, last))
+      return texelFetch(radiance_mips, min(texel >> (mip + 1), textureSize(radiance_mips, mip) - 1), mip).rgb;
+#endif
+  return unpack_rgb9e5(FETCH_RADIANCE(texel));
+}
 
 vec3 environment_cone(vec3 direction, float cone, float ao);
 #include "gi/hbil.glsl"

@@ -1,7 +1,8 @@
 // Horizon-based indirect lighting (Mayaux 2018): wherever a horizon rises, the surface that raised it sends its light through
 // what it newly covers; what stays open is a cone around the bent normal, through which the environment shines. Compiles as
 // GLSL and as C++; beside what gi/march.glsl needs the including file provides `hbil` with its choices
-// (passes/gi/hbil_params.h) as constants HBIL_*, FETCH_RADIANCE and environment_cone(direction, cone, ao): irradiance / pi.
+// (passes/gi/hbil_params.h) as constants HBIL_*, FETCH_RADIANCE, environment_cone(direction, cone, ao): irradiance / pi, and with
+// HBIL_MIPS radiance_level(texel, level): the mean over 2^level x 2^level texels, level up to RADIANCE_LEVELS.
 #ifndef NF_GI_HBIL_GLSL
 #define NF_GI_HBIL_GLSL
 
@@ -78,6 +79,12 @@ struct Running {
   float trust;  // REJECT_CODE: how much of a further one still counts
 };
 
+// The level of the radiance's mips whose texels are as wide as a step.
+int step_level(Side side, Steps steps, int i) {
+  float width = step_distance(side, steps, float(i + 1)) - step_distance(side, steps, float(i));
+  return clamp(int(floor(log2(max(width, 1.0f)))), 0, RADIANCE_LEVELS);
+}
+
 Running start_running(Receiver receiver) {
   Running running;
   running.light = unpack_rgb9e5(FETCH_RADIANCE(receiver.pixel));
@@ -85,8 +92,8 @@ Running start_running(Receiver receiver) {
   return running;
 }
 
-vec3 sample_light(Receiver receiver, Tap tap, INOUT(Running) running) {
-  vec3 light = unpack_rgb9e5(FETCH_RADIANCE(tap.texel));
+vec3 sample_light(Receiver receiver, Tap tap, int level, INOUT(Running) running) {
+  vec3 light = HBIL_MIPS != 0 ? radiance_level(tap.texel, level) : unpack_rgb9e5(FETCH_RADIANCE(tap.texel));
   if (HBIL_REJECT == REJECT_ONE_SIDED)
     return dot(unpack_normal_octahedron(FETCH_NORMAL(tap.texel)), tap.towards) < 0.0f ? light : vec3(0.0f);
   if (HBIL_REJECT == REJECT_RUNNING) {
@@ -128,7 +135,7 @@ void shared_side(Receiver receiver, Slice slice, Side side, float total, float w
     float s = tap.depth > 0.0f ? side_sine(tap.s, tap.c, tap.m, side.sin_gamma) : 1.0f;
     if (s < horizon) {
       float share = share_over(measure, s);
-      light += (share - covered) * sample_light(receiver, tap, running);
+      light += (share - covered) * sample_light(receiver, tap, step_level(side, steps, i), running);
       covered = share;
       horizon = s;
     }
@@ -173,7 +180,7 @@ float local_side(Receiver receiver, Side side, vec2 n, float start, float share,
     INSPECT_HORIZON(theta, 0.0f, sums.gi);
     if (tap.depth > 0.0f && cosine > highest) {
       float risen = acos(min(cosine, 1.0f));
-      sums.gi += share * horizon_increment(n, risen, theta) * sample_light(receiver, tap, running);
+      sums.gi += share * horizon_increment(n, risen, theta) * sample_light(receiver, tap, step_level(side, steps, i), running);
       highest = cosine;
       theta = risen;
     }
