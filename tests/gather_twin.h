@@ -47,6 +47,7 @@ inline glm::vec3 environment_cone(glm::vec3 direction, float cone, float ao);
 #define SSAO_SELF ssao.self
 #define SSAO_BLEED ssao.bleed
 #define SSAO_SENDER ssao.sender
+#define SSAO_SHOW ssao.show
 #define SSDO_DIRECTIONS ssdo.directions
 #define SSDO_BLOCKER ssdo.blocker
 #define SSDO_SENDER ssdo.sender

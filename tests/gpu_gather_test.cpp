@@ -198,6 +198,36 @@ TEST_F(Gather, SpecularLightIsGatheredWhereAsked) {
   EXPECT_TRUE(passes::find_technique("ssao").gathers_specular(settings_for("ssao", true).gi)) << "as the report does";
 }
 
+// Figure 5 of the report: "the same tangent direction is repeated every fourth pixel on surfaces with the same normal".
+TEST_F(Gather, TangentsRepeatEveryFourthPixel) {
+  content::Builder b;
+  b.quad({-9, 0, 9}, {9, 0, 9}, {9, 0, -9}, {-9, 0, -9}, b.material({}));
+  const scene::Scene scene = load(b);
+  const auto repeats = [&](bool paper) {
+    passes::FrameSettings settings = settings_for("ssao", paper);
+    settings.gi.ssao.blur = false;
+    settings.gi.ssao.show = 1;
+    const Shot shot = shoot(scene, {.size = {24, 16}, .camera = look({0, 2, 0}, {0, 0, -1}, 50), .settings = settings});
+    const auto tangent = [&](int x, int y) {
+      return 2.0f * vec3(shot.value("gi_raw", {x, y}, 0), shot.value("gi_raw", {x, y}, 1),
+                         shot.value("gi_raw", {x, y}, 2)) -
+             1.0f;
+    };
+    int fourth = 0, next = 0, count = 0;
+    for (int y = 0; y < 12; ++y)
+      for (int x = 0; x < 20; ++x, ++count) {
+        const vec3 here = tangent(x, y);
+        EXPECT_NEAR(glm::length(here), 1, 3e-3f);
+        fourth += glm::length(tangent(x + 4, y) - here) + glm::length(tangent(x, y + 4) - here) < 4e-3f;
+        next += glm::length(tangent(x + 1, y) - here) < 4e-3f;
+      }
+    EXPECT_LT(next, count / 10);
+    return double(fourth) / count;
+  };
+  EXPECT_EQ(repeats(true), 1);
+  EXPECT_LT(repeats(false), 0.1) << "control: the default's noise does not";
+}
+
 // hbil.mips: the levels are means over surfaces, at sizes that cannot be halved too; light that is the same everywhere
 // stays what it is, and small lamps make less noise.
 TEST_F(Gather, LightFromMips) {

@@ -27,7 +27,10 @@
   P(Float, bleed_strength, 1.0f, 0.0f, 10.0f, "", "Factor of the bleeding; 1 is what the forms give")              \
   P(Float, damping, 0.0f, 0.0f, 10.0f, "W/m^2/sr", "Receivers darker than this show less bleeding; 0: none does")  \
   P(Float, ambient_share, 0.0f, 0.0f, 1.0f, "", "How much of the environment's light takes part in the bleeding")  \
-  P(Bool, blur, 0, 0, 1, "", "Average 4 x 4 pixels")
+  P(Bool, blur, 0, 0, 1, "", "Average 4 x 4 pixels")                                                               \
+  P(Choice, show, 0, 0, 1, "light|tangents",                                                                       \
+    "What the layer gi has: light; or, to look at, each pixel's tangent about which the points are turned, from "  \
+    "-1..1 to 0..1")
 
 namespace nf::passes {
 NF_DECLARE_PARAMS(SsaoParams, "ssao", NF_SSAO_PARAMS)

@@ -15,6 +15,7 @@ const int RANGE_LINEAR = 2;
 const int RANGE_QUADRATIC = 3;
 const int SELF_PLANE = 0;
 const int BLEED_DISC = 0;
+const int SHOW_TANGENTS = 1;
 
 // Chapman's kernel: directions from a cube's upper half, lengths that grow with the square of the index.
 vec3 chapman_point(int i, int count) {
@@ -66,6 +67,10 @@ Gathered estimate_ssao(ivec2 pixel) {
   INSPECT_RECEIVER(receiver);
 
   vec3 noise = sampling_noise(pixel, frame.frame_index, frame.seed);
+  if (SSAO_SHOW == SHOW_TANGENTS) {
+    result.gi = vec3(0.5f) + 0.5f * turned_about(receiver.normal, vec3(1.0f, 0.0f, 0.0f), noise.x);
+    return result;
+  }
   int count = ssao.samples;
   float share = 1.0f / float(count);
   // The base circle in as many parts as there are samples (SSDO, section 3).
