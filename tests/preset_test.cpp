@@ -154,18 +154,27 @@ TEST_F(Presets, AllAreReadWithoutComplaint) {
   EXPECT_EQ(count, 10);
 }
 
-// Algorithm 1 with the post's UpdateSectors: uniform angles, widths rounded by the rule, line 23 for light.
+// Algorithm 1 with the post's UpdateSectors: uniform angles, widths rounded by the rule, line 23 for light. EEVEE
+// instead of the receiver's cosine weighs the sectors by it, four bands of equal angle by their means, and behind a
+// sample is an angle.
 TEST_F(Presets, VisibilityBitmasks) {
   struct Case {
     const char* name;
     int sectors;
     double (*width)(double);
+    bool eevee = false;
   };
   const auto round_half_up = [](double x) { return std::floor(x + 0.5); };
   const auto up = [](double x) { return std::ceil(x); };
   for (const Case& c : {Case{"vb-paper", 32, round_half_up}, Case{"vb-post", 32, up}, Case{"ssrt3-like", 32, up},
-                        Case{"bevy-like", 4, up}}) {
+                        Case{"bevy-like", 4, up}, Case{"eevee-like", 32, up, true}}) {
     const bool light = use_preset(c.name) == "vbgi";
+    if (c.eevee) twin::bitmask.slices = 1;  // one of its two: the sides of several cannot be told apart by their taps
+    const auto worth = [&](int sector) {
+      if (!c.eevee) return 1.0;
+      const double band = std::floor(std::abs((sector + 0.5) / c.sectors - 0.5) * 8);
+      return 4 * (std::sin((band + 1) * twin::kPi / 8) - std::sin(band * twin::kPi / 8));
+    };
     const int slices = twin::gi.slices;
     double apart = 0, light_apart = 0, occluded = 0;
     int count = 0;
@@ -183,22 +192,27 @@ TEST_F(Presets, VisibilityBitmasks) {
           const dvec2 offset = dvec2(taps[tap] - pixel.at) * dvec2(1, -1);
           const double beside = std::abs(offset.x * s.direction.y - offset.y * s.direction.x);
           if (beside > 0.75 && i + 1 < slices) break;
-          const dvec3 delta = position(taps[tap]) - pixel.position, back = delta - pixel.v * double(twin::gi.thickness);
+          const dvec3 delta = position(taps[tap]) - pixel.position,
+                      back = c.eevee ? delta : delta - pixel.v * double(twin::gi.thickness);
           const double side = offset.x * s.direction.x + offset.y * s.direction.y > 0 ? 1 : -1;
-          const auto place = [&](dvec3 d) {
-            const double angle = std::acos(std::clamp(glm::dot(glm::normalize(d), pixel.v), -1.0, 1.0));
+          const auto place = [&](dvec3 d, double turn) {
+            const double angle = std::acos(std::clamp(glm::dot(glm::normalize(d), pixel.v), -1.0, 1.0)) + turn;
             return std::clamp((-side * angle - s.n + twin::kPi / 2) / twin::kPi, 0.0, 1.0);
           };
-          const double a = place(delta), b = place(back), low = std::min(a, b) * c.sectors;
+          const double a = place(delta, 0), b = place(back, c.eevee ? glm::radians(5.0) : 0),
+                       low = std::min(a, b) * c.sectors;
           const int first = int(low), last = std::min(first + int(c.width(std::abs(b - a) * c.sectors)), c.sectors);
-          int fresh = 0;
+          double fresh = 0;
           for (int j = first; j < last; ++j)
-            if (!mask[size_t(j)]) mask[size_t(j)] = true, ++fresh;
+            if (!mask[size_t(j)]) mask[size_t(j)] = true, fresh += worth(j);
           const dvec3 l = glm::normalize(delta);
-          red += double(fresh) / c.sectors * texel(taps[tap]).radiance.x * std::max(glm::dot(pixel.normal, l), 0.0) *
+          const double receiver = c.eevee ? 1 : std::max(glm::dot(pixel.normal, l), 0.0);
+          red += fresh / c.sectors * texel(taps[tap]).radiance.x * receiver *
                  std::max(-glm::dot(dvec3(texel(taps[tap]).normal), l), 0.0) / slices;
         }
-        visibility += (1 - double(std::count(mask.begin(), mask.end(), true)) / c.sectors) / slices;
+        double covered = 0;
+        for (int j = 0; j < c.sectors; ++j) covered += mask[size_t(j)] ? worth(j) : 0;
+        visibility += (1 - covered / c.sectors) / slices;
       }
       apart += std::abs(visibility - seen.visibility);
       if (light) light_apart += std::abs(red - seen.gi.x);
