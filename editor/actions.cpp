@@ -20,6 +20,7 @@ void toggle(Editor& e, CompareMode mode) {
 }
 
 void open_dialog(Editor& e, bool save) {
+  if (e.show_save || e.show_open) return;  // one after the other: its text field would keep the other's text
   e.show_save = save;
   e.show_open = !save;
   e.prompt = save ? (e.preset_path.empty() ? "preset.json" : e.preset_path) : std::string();
@@ -69,7 +70,10 @@ const Action table[] = {
      }},
     {"view.help", "Help", "Help", "f1", "This list", [](Editor& e) { e.show_help = !e.show_help; }},
     {"view.hide", "View", "Hide the interface", "f2", "Only the picture",
-     [](Editor& e) { e.preferences.hide_ui = !e.preferences.hide_ui; }},
+     [](Editor& e) {
+       e.preferences.hide_ui = !e.preferences.hide_ui;
+       if (e.preferences.hide_ui) toast(e, "F2 brings the interface back");
+     }},
     {"view.fullscreen", "View", "Full screen", "f11", "", [](Editor& e) { e.fullscreen_asked = true; }},
     {"view.bigger", "View", "Larger interface", "ctrl+=", "",
      [](Editor& e) { set_scale(e, e.preferences.ui_scale + 0.25f); }},
@@ -90,11 +94,8 @@ const Action table[] = {
      [](Editor& e) { toggle(e, CompareMode::Blink); }},
     {"view.difference", "View", "Difference", "h", "How far the picture is from A, in false colours",
      [](Editor& e) { toggle(e, CompareMode::Difference); }},
-    {"view.keep", "View", "Keep as A", "k", "The picture as it is, to compare with",
-     [](Editor& e) {
-       e.keep_a = true;
-       e.viewport.against = ui::PictureId::SlotA;
-     }},
+    {"view.keep", "View", "Keep as A", "k", "The picture as it is, to compare with", [](Editor& e) { keep_as_a(e); }},
+    {"view.keep2", "", "Keep as A", "ctrl+b", "The picture as it is, to compare with", [](Editor& e) { keep_as_a(e); }},
     {"view.reference", "View", "Reference", "r", "The path tracer refines this view in the background",
      [](Editor& e) {
        e.reference.on = !e.reference.on;
@@ -157,10 +158,29 @@ const Action* find_action(std::string_view id) {
   return nullptr;
 }
 
-bool run_shortcut(Editor& editor, int key, int mods, bool typing) {
+void keep_as_a(Editor& editor) {
+  editor.keep_a = true;
+  editor.viewport.against = ui::PictureId::SlotA;
+  if (editor.picture.floats.empty()) editor.viewport.label_a = picture_label(editor);  // a layer is not kept
+}
+
+std::string picture_label(const Editor& editor) {
+  if (!editor.shown_with.settings.technique) return {};
+  const std::deque<float>& ms = editor.timings.frame_ms;
+  const double frame = ms.empty() ? double(editor.scene_ms) : capture::statistics({ms.begin(), ms.end()}).median;
+  return fmt::format("{}  {:.1f} ms", editor.shown_with.settings.technique->id, frame);
+}
+
+bool run_shortcut(Editor& editor, int key, int mods, Focus focus) {
   const bool plain = (mods & (ui::mod_ctrl | ui::mod_alt)) == 0;
   const bool function = key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12;
-  if (typing && plain && !function) return false;
+  const bool help = key == GLFW_KEY_ESCAPE && editor.show_help;  // which has a text field of its own
+  if (focus == Focus::Text && plain && !function && !help) return false;
+  // What text fields do themselves: undo, redo, select all, copy, paste, cut, words.
+  for (const int own : {GLFW_KEY_Z, GLFW_KEY_Y, GLFW_KEY_A, GLFW_KEY_C, GLFW_KEY_V, GLFW_KEY_X, GLFW_KEY_LEFT,
+                        GLFW_KEY_RIGHT, GLFW_KEY_BACKSPACE, GLFW_KEY_DELETE})
+    if (focus == Focus::Text && key == own) return false;
+  if (focus == Focus::Widget && key == GLFW_KEY_SPACE && mods == 0) return false;  // presses it
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9 && !(mods & ui::mod_alt)) {
     std::optional<scene::Camera>& bookmark = editor.document.bookmarks[size_t(key - GLFW_KEY_1)];
     const int number = key - GLFW_KEY_1 + 1;

@@ -18,9 +18,15 @@ struct Action {
 
 std::span<const Action> actions();
 const Action* find_action(std::string_view id);
-// Runs the action of these keys; false when there is none. Letters without Ctrl or Alt are for text fields while one
-// has the focus.
-bool run_shortcut(Editor& editor, int key, int mods, bool typing);
+// What has the keyboard: a text field takes letters and what edits text, a widget that was reached with the arrow keys
+// takes Space.
+enum class Focus : uint8_t { Nothing, Widget, Text };
+// Runs the action of these keys; false when there is none, or they are the focus's own.
+bool run_shortcut(Editor& editor, int key, int mods, Focus focus);
+// The picture that is shown is A from now on.
+void keep_as_a(Editor& editor);
+// Its technique and what its frames take.
+std::string picture_label(const Editor& editor);
 // Two actions with the same keys; empty when there are none.
 std::string find_conflict();
 

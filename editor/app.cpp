@@ -324,6 +324,7 @@ void App::ask() {
   w.size = size;
   w.layer = v.layer;
   w.moving = moving;
+  w.reduced = scale < e_.preferences.render_scale;
   w.settle = uint32_t(e_.preferences.settle);
   w.probe = probe;
   w.inspect = inspect;
@@ -400,7 +401,9 @@ void App::on_input(const ui::InputEvent& event) {
   switch (event.kind) {
     case ui::InputKind::Key:
       run_shortcut(e_, event.code, event.mods,
-                   ImGui::GetIO().WantTextInput || input_.held(-1) || ImGui::IsMouseDown(1));
+                   ImGui::GetIO().WantTextInput || ImGui::IsMouseDown(1) ? Focus::Text
+                   : ImGui::GetIO().NavVisible                           ? Focus::Widget
+                                                                         : Focus::Nothing);
       break;
     case ui::InputKind::Drop:
       e_.dropped.push_back(event.text);

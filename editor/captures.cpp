@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 #include <imgui.h>
+#include <set>
 
 #include "capture/csv.h"
 #include "capture/trace.h"
@@ -27,9 +28,41 @@ std::string file_time() {
   return text;
 }
 
-std::string new_file(const std::string& name) {
+// A path that nothing stands at yet, nor beside it what tells how it was made, nor was it given before: two shots in a
+// second are two files.
+std::string new_file(const std::string& stem, const std::string& ending) {
+  static std::set<std::string> given;
   fs::create_directories("captures");
-  return (fs::path("captures") / name).string();
+  for (int n = 1;; ++n) {
+    const fs::path base =
+        fs::path("captures") / fmt::format("{}-{}{}", stem, file_time(), n > 1 ? fmt::format("-{}", n) : "");
+    const std::string path = base.string() + ending;
+    if (!fs::exists(path) && !fs::exists(base.string() + ".json") && given.insert(base.string()).second) return path;
+  }
+}
+
+// The preset of frames that are seen now, whatever the panels say by now.
+Preset preset_of(Editor& e, const live::MadeWith& made_with) {
+  Preset preset = make_preset(e);
+  passes::FrameSettings settings = made_with.settings;
+  preset.technique = settings.technique->id;
+  preset.params = params::to_json(settings.blocks());
+  preset.size = fmt::format("{}x{}", made_with.size.x, made_with.size.y);
+  preset.seed = made_with.seed;
+  if (auto* view = preset.view ? std::get_if<scene::View>(&*preset.view) : nullptr) view->camera = made_with.camera;
+  return preset;
+}
+
+// Beside a picture: the preset, and what made it.
+void write_sidecar(const Editor& e, const fs::path& path, Preset preset, json more = json::object()) {
+  const BuildInfo build = build_info();
+  more["file"] = path.filename().string();
+  more["date"] = capture::utc_date();
+  more["frame"] = e.scene_frames;
+  more["app"] = {{"version", build.version}, {"git", build.git}, {"build", build.type}, {"compiler", build.compiler}};
+  if (const auto device = e.device_context.find("device"); device != e.device_context.end()) more["device"] = *device;
+  preset.made = std::move(more);
+  write_preset(fs::path(path).replace_extension(".json"), preset);
 }
 
 image::Image8 opaque(glm::uvec2 size, std::span<const uint8_t> rgba) {
@@ -38,41 +71,58 @@ image::Image8 opaque(glm::uvec2 size, std::span<const uint8_t> rgba) {
   return out;
 }
 
+// Passes in the order they run: one that came later was added behind the others.
+capture::Run in_order(const TimingHistory& history) {
+  capture::Run run = history.run;
+  std::vector<uint32_t> moved_to(run.passes.size(), 0);
+  run.passes.clear();
+  for (const TimingHistory::Row& row : history.rows)
+    for (uint32_t p = 0; p < history.run.passes.size(); ++p)
+      if (history.run.passes[p].path == row.name) {
+        moved_to[p] = uint32_t(run.passes.size());
+        run.passes.push_back(history.run.passes[p]);
+      }
+  for (capture::FrameSample& frame : run.frames)
+    for (capture::PassSample& pass : frame.passes) pass.pass = moved_to[pass.pass];
+  return run;
+}
+
 void capture_timings(Editor& e, bool validation) {
-  capture::Run& run = e.timings.run;
-  if (run.frames.empty()) return toast(e, "no frame was timed yet", true);
-  const std::string folder = new_file("timing-" + file_time());
+  const TimingHistory& t = e.timings;
+  if (t.run.frames.empty()) return toast(e, "no frame was timed yet", true);
+  const std::string folder = new_file("timing", "");
   fs::create_directories(folder);
-  run.name = run.technique = e.document.settings.technique->id;
+  capture::Run run = in_order(t);
+  passes::FrameSettings settings = t.made_with.settings;
+  run.name = run.technique = settings.technique->id;
   passes::FrameView view;
-  view.size = e.picture.size;
-  view.seed = e.document.seed;
-  run.settings = settings_json({.name = run.name,
-                                .settings = e.document.settings,
-                                .mode = is_paper_mode(e.document.settings) ? "paper" : "radiometric"},
-                               view);
-  run.scene = {{"path", e.scene.path}, {"triangles", e.scene.triangles}};
-  run.memory = {
-      {"placed_bytes", e.graph.placed}, {"max_live_bytes", e.graph.max_live}, {"unaliased_bytes", e.graph.unaliased}};
+  view.size = t.made_with.size;
+  view.seed = t.made_with.seed;
+  run.settings = settings_json(
+      {.name = run.name, .settings = settings, .mode = is_paper_mode(settings) ? "paper" : "radiometric"}, view);
+  const std::string preset = (fs::path(folder) / "preset.json").string();
+  write_preset(preset, preset_of(e, t.made_with));
+  run.scene = scene_json(e.scene.path, preset, e.scene.triangles, t.made_with.lights);
+  const capture::HostLoad load = t.load.load();
   const capture::Summary summary = capture::summarise(run);
   capture::Trust trust = capture::judge(
       run, summary,
-      {.load = {}, .software_device = e.software, .debug_build = build_info().debug, .validation = validation});
+      {.load = load, .software_device = e.software, .debug_build = build_info().debug, .validation = validation});
   trust.noisy.push_back("captured in the editor: its own frames ran beside these");
   const std::vector<capture::RunResult> results{{&run, summary, trust}};
   json context = e.device_context;
   context["ui"] = true;
-  const json method = {{"timing", "serialize"},
-                       {"frames", run.frames.size()},
-                       {"warmup_frames", 0},
-                       {"settle_frames", 0},
-                       {"repeats", 1},
-                       {"interleaved", false},
-                       {"percentile", "nearest-rank"},
-                       {"clock", "gpu-timestamps"},
-                       {"frames_in_flight", 1},
-                       {"fps", 0},
-                       {"path", nullptr}};
+  context["date"] = capture::utc_date();
+  context["host"]["load_avg_start"] = load.average_start;
+  context["host"]["load_avg_end"] = load.average_end;
+  context["host"]["other_processes_cores"] = load.others;
+  const json method = method_json({.frames = uint32_t(run.frames.size()),
+                                   .warmup = 0,
+                                   .repeats = 1,
+                                   .interleave = false,
+                                   .fps = 0,
+                                   .path = {},
+                                   .slow_pass = {}});
   write_atomically(fs::path(folder) / "timing.json",
                    capture::timing_document(context, method, results, true).dump(1) + "\n");
   write_atomically(fs::path(folder) / "summary.csv", capture::summary_csv(results));
@@ -87,6 +137,15 @@ void capture_timings(Editor& e, bool validation) {
 }
 
 }  // namespace
+
+void take_saved(Editor& e, const std::string& path, const live::MadeWith& made_with) {
+  try {
+    write_sidecar(e, path, preset_of(e, made_with));
+    toast(e, "written: " + path);
+  } catch (const std::exception& error) {
+    toast(e, error.what(), true);
+  }
+}
 
 void write_window(const std::string& path, const Editor& e, std::span<const std::byte> window, glm::ivec4 part) {
   const glm::ivec2 limit(e.window), low = glm::clamp(glm::ivec2(part), glm::ivec2(0), limit - 1),
@@ -110,20 +169,20 @@ void write_captures(Editor& e, std::span<const std::byte> window_texels, bool va
     const bool window = std::exchange(e.screenshot_window, false),
                viewport = std::exchange(e.screenshot_viewport, false);
     if (window || viewport) {
-      const std::string path = new_file(fmt::format("{}-{}.png", window ? "window" : "picture", file_time()));
+      const std::string path = new_file(window ? "window" : "picture", ".png");
       if (window)
         write_window(path, e, window_texels, {0, 0, int(e.window.x), int(e.window.y)});
       else if (!e.picture.floats.empty())
         save_pixels(path, e.picture, e.viewport.look);
       else
         image::write_png(path, opaque(e.picture.size, e.pictures->texels(ui::PictureId::Scene)));
-      write_preset(fs::path(path).replace_extension(".json"), make_preset(e));
+      write_sidecar(e, path, preset_of(e, e.shown_with), {{"layer", e.viewport.layer}});
       toast(e, "written: " + path);
     }
     if (std::exchange(e.save_curve, false)) {
       std::string text = "spp,rmse,noise\n";
       for (const ReferenceView::Point& p : e.reference.curve) text += fmt::format("{},{},{}\n", p.spp, p.rmse, p.floor);
-      const std::string path = new_file(fmt::format("convergence-{}.csv", file_time()));
+      const std::string path = new_file("convergence", ".csv");
       write_atomically(path, text);
       toast(e, "written: " + path);
     }
@@ -131,19 +190,27 @@ void write_captures(Editor& e, std::span<const std::byte> window_texels, bool va
     if (std::exchange(e.slices.save_asked, false) && e.slices.seen) {
       json document = to_json(*e.slices.seen);
       document["params"] = params::to_json(e.document.settings.blocks());
-      const std::string path = new_file(fmt::format("inspection-{}.json", file_time()));
+      const std::string path = new_file("inspection", ".json");
       write_atomically(path, document.dump(1) + "\n");
       toast(e, "written: " + path);
     }
-    if (std::exchange(e.save_layers, false))
-      e.outbox.push_back({live::CommandKind::SaveLayers, new_file(fmt::format("layers-{}.exr", file_time())), {}, {}});
+    if (std::exchange(e.save_layers, false)) {
+      if (e.wanted.paused)
+        toast(e, "layers come with a new frame, and the renderer is frozen: Ctrl+Space first", true);
+      else
+        e.outbox.push_back({live::CommandKind::SaveLayers, new_file("layers", ".exr"), {}, {}});
+    }
     if (!e.save_texture.empty()) {
       const std::string ending = std::exchange(e.save_texture, {});
       const live::Pixels& p = e.texture.pixels;
       std::string name = p.name;
       std::replace(name.begin(), name.end(), '/', '_');
-      const std::string path = new_file(fmt::format("{}-{}{}", name, file_time(), ending));
+      const std::string path = new_file(name, ending);
       save_pixels(path, p, e.texture.look);
+      const live::ProbeWanted& w = e.texture.of;
+      write_sidecar(
+          e, path, preset_of(e, e.texture.made_with),
+          {{"resource", p.name}, {w.before ? "before" : "after", w.pass}, {"mip", w.mip}, {"layer", w.layer}});
       toast(e, "written: " + path);
     }
   } catch (const std::exception& error) {
@@ -151,7 +218,7 @@ void write_captures(Editor& e, std::span<const std::byte> window_texels, bool va
   }
   if (std::exchange(e.copy_command, false)) {
     try {
-      const fs::path preset = fs::absolute(new_file(fmt::format("command-{}.json", file_time())));
+      const fs::path preset = fs::absolute(new_file("command", ".json"));
       write_preset(preset, make_preset(e));
       const std::string command = command_for(e, preset);
       ImGui::SetClipboardText(command.c_str());

@@ -1,5 +1,5 @@
-// What the user makes: everything that undo brings back and a preset keeps. A plain value; the window edits it in
-// place.
+// What the user makes: everything that undo brings back. A preset keeps it too, but for the bookmarks, which stand in
+// the settings, by scene. A plain value; the window edits it in place.
 #pragma once
 
 #include <array>

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/host.h"
 #include "capture/timing.h"
 #include "document.h"
 #include "live/published.h"
@@ -31,20 +32,24 @@ struct Banner {
   std::vector<gpu::ReloadError> faults;  // and where, of shaders
 };
 
-// Times of the last frames, by pass.
+// Times of the last frames, by pass. All of one kind: frames made with other settings, lights or another size begin it
+// anew, and frames that are smaller because something moves are left out.
 struct TimingHistory {
   static constexpr size_t limit = 1000;
   struct Row {
     std::string name, description;
     std::deque<float> ms;  // NaN where the frame had no such pass
   };
-  std::vector<Row> rows;
-  std::deque<float> frame_ms, wall_ms, record_ms;
-  capture::Run run;                       // the same frames, as captures are written
-  std::map<std::string, float> baseline;  // medians, by pass; "frame" too
+  std::vector<Row> rows;                                    // in the order they run
+  std::deque<float> frame_ms, wall_ms, record_ms, left_ms;  // left: the frame less its passes
+  capture::Run run;                                         // the same frames, as captures are written
+  live::MadeWith made_with;                                 // of the last of them
+  capture::LoadWatch load;                                  // since the first of them
+  std::map<std::string, float> baseline;                    // medians, by pass; "frame" too
   bool paused = false;
   int window = 1;  // row of timing_windows
-  void add(const live::Published& frame);
+  // Whether the frame counts.
+  bool add(const live::Published& frame);
   void clear();
 };
 inline constexpr int timing_windows[] = {60, 300, 1000};
@@ -59,6 +64,7 @@ struct Viewport {
   CompareMode compare = CompareMode::Off;
   ui::PictureId against = ui::PictureId::SlotA;
   float wipe = 0.5f, difference_scale = 0.25f, blink_seconds = 0.5f;
+  std::string label_a;                        // what A was made with
   float x = 0, y = 0, width = 0, height = 0;  // of the picture, window pixels
   bool hovered = false, dragging_wipe = false;
   glm::vec2 cursor{-1};  // 0..1 in the picture
@@ -85,6 +91,8 @@ struct TextureView {
   ui::PictureLook look;
   bool auto_range = true;
   live::Pixels pixels;
+  live::ProbeWanted of;  // what they are, while frozen
+  live::MadeWith made_with;
   std::string error;
 };
 
@@ -163,6 +171,7 @@ struct Editor {
   nlohmann::json device_context;
   bool software = false, device_lost = false;
   live::Pixels picture;                 // of the last frame
+  live::MadeWith shown_with;            // and what made it
   std::vector<std::string> not_finite;  // of the last frame, with debug.nan_scan
   uint64_t scene_frames = 0, frames_since_change = 0, shown_revision = 0;
   uint32_t settled = 0;
@@ -183,6 +192,7 @@ struct Editor {
   Banner banner;
   std::deque<std::string> log;
   std::string search, log_search, action_search, preset_path, prompt;
+  int log_level = 0;  // row of what the log panel's box offers
   bool changed_only = false, show_help = false, show_save = false, show_open = false, quit = false;
   bool keep_a = false;                   // keep the picture for comparison
   std::optional<Preset> pending_preset;  // for the scene that is being loaded

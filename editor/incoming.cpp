@@ -1,5 +1,6 @@
 #include "incoming.h"
 
+#include "captures.h"
 #include "core/log.h"
 #include "settings.h"
 
@@ -70,6 +71,7 @@ void take_event(Editor& e, live::Event& event) {
       break;
     case live::EventKind::ShadersLoaded:
       e.banner = {};
+      if (!e.timings.paused) e.timings.clear();  // other programs' times
       e.green_flash = e.now;
       e.flash_text = fmt::format("{} in {:.0f} ms", event.text, event.ms);
       log::info("{}", e.flash_text);
@@ -78,7 +80,7 @@ void take_event(Editor& e, live::Event& event) {
       e.banner = {};
       break;
     case live::EventKind::Saved:
-      toast(e, "written: " + event.text);
+      take_saved(e, event.text, event.made_with);
       break;
     case live::EventKind::DeviceLost:
       log::error("{}", event.text);
@@ -95,11 +97,13 @@ void take_frame(Editor& e, live::Published&& frame) {
   e.settled = frame.revision == e.wanted.revision ? frame.settled : 0;
   e.scene_time = frame.time;
   e.scene_ms = frame.frame_ms;
-  e.timings.add(frame);
   if (frame.graph) {
     if (!frame.graph->diff.empty()) e.plan_diff = frame.graph->diff;
     e.graph = std::move(*frame.graph);
   }
+  if (e.timings.add(frame))
+    e.timings.run.memory = {
+        {"placed_bytes", e.graph.placed}, {"max_live_bytes", e.graph.max_live}, {"unaliased_bytes", e.graph.unaliased}};
   if (frame.inspected && e.slices.on && !e.slices.frozen) e.slices.seen = std::move(frame.inspected);
   if (frame.picked) e.picking.values = std::move(*frame.picked);
   const Preview* preview = preview_of(e);
@@ -114,6 +118,8 @@ void take_frame(Editor& e, live::Published&& frame) {
     e.texture.error = frame.probe_error;
     if (frame.probe) {
       e.texture.pixels = std::move(*frame.probe);
+      e.texture.of = frame.probe_of.value_or(e.texture.wanted);
+      e.texture.made_with = frame.made_with;
       e.pictures->set_picture(ui::PictureId::Texture, e.texture.pixels.size,
                               std::span<const float>(e.texture.pixels.floats));
     }
@@ -122,6 +128,7 @@ void take_frame(Editor& e, live::Published&& frame) {
     for (const std::string& image : frame.not_finite) log::warn("{}", image);
   e.not_finite = std::move(frame.not_finite);
   e.picture = std::move(frame.picture);
+  e.shown_with = frame.made_with;
   e.host_bytes = frame.host_bytes;
   if (e.picture.image)
     e.pictures->set_picture(ui::PictureId::Scene, *e.picture.image);

@@ -238,10 +238,13 @@ void draw_layout(Editor& editor) {
   const float width = float(editor.window.x), height = float(editor.window.y), line = ImGui::GetFontSize();
   Preferences& p = editor.preferences;
   if (p.hide_ui) {
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
     begin_region("viewport", 0, 0, width, height);
+    ImGui::PopStyleVar();
     draw_viewport(editor);
     ImGui::End();
     draw_help(editor);
+    draw_dialogs(editor);
     draw_toasts(editor);
     return;
   }

@@ -50,10 +50,14 @@ Preset read_preset(const std::filesystem::path& path) {
       preset.seed = value.get<uint32_t>();
     } else if (key == "params") {
       preset.params = value;
+    } else if (key == "made") {
+      if (!value.is_object()) fail(Exit::Input, "bad preset '{}': 'made' must be an object", file);
+      preset.made = value;
     } else {
-      fail(Exit::Input,
-           "bad preset '{}': unknown key '{}'; there are schema, scene, technique, mode, view, size, seed, params",
-           file, key);
+      fail(
+          Exit::Input,
+          "bad preset '{}': unknown key '{}'; there are schema, scene, technique, mode, view, size, seed, params, made",
+          file, key);
     }
   }
   return preset;
@@ -76,6 +80,7 @@ void write_preset(const std::filesystem::path& path, const Preset& preset) {
       document["view"] = scene::to_json(std::get<scene::View>(*preset.view), path.parent_path());
   }
   if (!preset.params.empty()) document["params"] = preset.params;
+  if (!preset.made.is_null()) document["made"] = preset.made;
   const std::string text = document.dump(1) + "\n";
   image::write_file(path, text);
 }

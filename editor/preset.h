@@ -19,6 +19,7 @@ struct Preset {
   // As --view has it; or the view itself, as in a view file.
   std::optional<std::variant<std::string, scene::View>> view;
   nlohmann::json params = nlohmann::json::object();  // {"gi.radius": 2}, as params::from_json takes it
+  nlohmann::json made;  // beside a picture: an object that says what made it; nobody reads it back
 };
 
 // Throws nf::Error (Exit::Input): no such file, not JSON, an unknown key or a wrong type, named by its path. Whether

@@ -192,6 +192,27 @@ std::string command_for(const Editor& editor, const fs::path& preset) {
                      preset.string(), editor.wanted.settle);
 }
 
+std::array<float, 3> shown_color(const float* value, const ui::PictureLook& look) {
+  for (int c = 0; c < 4; ++c)
+    if (!std::isfinite(value[c])) return {1, 0, 1};
+  const uint32_t show = uint32_t(look.show);
+  const bool one = show >= 1 && show <= 4;
+  const float number = value[one ? show - 1 : 0];
+  if (look.mark_outside && number < look.low) return {0, 0.2f, 1};
+  if (look.mark_outside && number > look.high) return {1, 0.1f, 0};
+  std::array<float, 3> x;
+  for (uint32_t c = 0; c < 3; ++c)
+    x[c] = std::clamp((value[one ? show - 1 : c] - look.low) / std::max(look.high - look.low, 1e-20f), 0.0f, 1.0f);
+  if (look.show == ui::Show::FalseColor) {
+    const float v = x[0];
+    return {1.9f * v, 2.2f * v * v - 0.45f * v,
+            v < 0.35f ? 2.2f * v : 0.77f - 1.7f * (v - 0.35f) + 6 * std::max(v - 0.75f, 0.0f)};
+  }
+  if (look.srgb)
+    for (float& c : x) c = image::srgb_from_linear(c);
+  return x;
+}
+
 void save_pixels(const std::string& path, const live::Pixels& pixels, const ui::PictureLook& look) {
   const size_t count = size_t(pixels.size.x) * pixels.size.y;
   if (fs::path(path).extension() == ".exr") {
@@ -206,15 +227,9 @@ void save_pixels(const std::string& path, const live::Pixels& pixels, const ui::
     return;
   }
   image::Image8 out{pixels.size.x, pixels.size.y, 3, {}};
-  const uint32_t show = uint32_t(look.show);
   for (size_t i = 0; i < count; ++i)
-    for (uint32_t c = 0; c < 3; ++c) {
-      const uint32_t channel = show >= 1 && show <= 4 ? show - 1 : show == 5 ? 0 : c;
-      const float x = (pixels.floats[i * 4 + channel] - look.low) / std::max(look.high - look.low, 1e-20f);
-      const float clamped = std::isfinite(x) ? std::clamp(x, 0.0f, 1.0f) : 1;
-      const float curve = look.srgb ? image::srgb_from_linear(clamped) : clamped;
-      out.pixels.push_back(uint8_t(std::lround(curve * 255)));
-    }
+    for (const float x : shown_color(&pixels.floats[i * 4], look))
+      out.pixels.push_back(uint8_t(std::lround(std::clamp(x, 0.0f, 1.0f) * 255)));
   image::write_png(path, out);
 }
 

@@ -24,6 +24,8 @@ Preset make_preset(Editor& editor);
 // The command line that renders this picture, of a preset of it.
 std::string command_for(const Editor& editor, const std::filesystem::path& preset);
 
+// What the window shows for a texel of four floats: see shaders/ui_picture.frag. 0 to 1 and a little beyond.
+std::array<float, 3> shown_color(const float* value, const ui::PictureLook& look);
 // .png as `look` shows it, .exr as it is.
 void save_pixels(const std::string& path, const live::Pixels& pixels, const ui::PictureLook& look);
 

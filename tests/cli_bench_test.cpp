@@ -19,23 +19,6 @@ class BenchTest : public CliTest {
     all.insert(all.end(), words.begin(), words.end());
     return run(all, environment);
   }
-  // By Debian's python3-jsonschema: "" when the document is valid, else what is wrong.
-  std::string schema_fault(const json& document) const {
-    const std::string file = input("document.json", document.dump()), log = out("schema.log");
-    const std::string script =
-        "import json, sys, jsonschema\n"
-        "load = lambda name: json.load(open(name))\n"
-        "schema = load(sys.argv[2])\n"
-        "jsonschema.Draft202012Validator.check_schema(schema)\n"
-        "for e in jsonschema.Draft202012Validator(schema).iter_errors(load(sys.argv[1])): print(e.json_path, "
-        "e.message[:200])\n";
-    const std::string program = input("check.py", script);
-    const std::string command = fmt::format(
-        "/usr/bin/python3 {} {} " NF_SOURCE_DIR "/content/schema/timing-1.json > {} 2>&1", program, file, log);
-    const int status = std::system(command.c_str());
-    const std::string text = bytes_of(log);
-    return status && text.empty() ? "no answer" : text;
-  }
 };
 
 TEST_F(BenchTest, WritesEverything) {

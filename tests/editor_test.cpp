@@ -22,12 +22,49 @@ TEST(Actions, NoTwoHaveTheSameKeys) {
 TEST(Actions, LettersBelongToTextFieldsWhileOneHasTheFocus) {
   Editor editor;
   const auto* before = editor.document.settings.technique;
-  const ui::Chord n = ui::parse_chord("n"), undo = ui::parse_chord("ctrl+z");
-  EXPECT_FALSE(run_shortcut(editor, n.key, n.mods, true));
+  const auto press = [&](const char* keys, Focus focus) {
+    const ui::Chord chord = ui::parse_chord(keys);
+    return run_shortcut(editor, chord.key, chord.mods, focus);
+  };
+  EXPECT_FALSE(press("n", Focus::Text));
   EXPECT_EQ(editor.document.settings.technique, before);
-  EXPECT_TRUE(run_shortcut(editor, n.key, n.mods, false));
+  EXPECT_TRUE(press("n", Focus::Nothing));
   EXPECT_NE(editor.document.settings.technique, before);
-  EXPECT_TRUE(run_shortcut(editor, undo.key, undo.mods, true));
+  // What is typed is undone by the field, not the document.
+  editor.undo.start(editor.document);
+  editor.document.seed = 7;
+  editor.undo.watch(editor.document, false);
+  for (const char* keys : {"ctrl+z", "ctrl+y", "ctrl+shift+z", "ctrl+a", "ctrl+v"})
+    EXPECT_FALSE(press(keys, Focus::Text)) << keys;
+  EXPECT_EQ(editor.document.seed, 7u);
+  EXPECT_TRUE(press("ctrl+z", Focus::Nothing));
+  EXPECT_EQ(editor.document.seed, 1u);
+  EXPECT_TRUE(press("ctrl+s", Focus::Text)) << "what no text field does";
+}
+
+TEST(Actions, KeysGoToWhatHasTheFocus) {
+  Editor editor;
+  const ui::Chord space = ui::parse_chord("space"), escape = ui::parse_chord("escape");
+  EXPECT_FALSE(run_shortcut(editor, space.key, 0, Focus::Widget));
+  EXPECT_FALSE(editor.wanted.playing);
+  EXPECT_TRUE(run_shortcut(editor, space.key, ui::mod_ctrl, Focus::Widget)) << "freezes";
+  EXPECT_TRUE(run_shortcut(editor, space.key, 0, Focus::Nothing));
+  EXPECT_TRUE(editor.wanted.playing);
+  // The help's own search has the focus when it opens: one Escape closes it all the same.
+  EXPECT_FALSE(run_shortcut(editor, escape.key, 0, Focus::Text));
+  editor.show_help = true;
+  EXPECT_TRUE(run_shortcut(editor, escape.key, 0, Focus::Text));
+  EXPECT_FALSE(editor.show_help);
+}
+
+TEST(Actions, OneFileDialogAtATime) {
+  Editor editor;
+  find_action("file.open")->run(editor);
+  editor.prompt = "typed.glb";
+  find_action("file.save")->run(editor);
+  EXPECT_TRUE(editor.show_open);
+  EXPECT_FALSE(editor.show_save);
+  EXPECT_EQ(editor.prompt, "typed.glb");
 }
 
 TEST(Chords, AreReadAndNamed) {
@@ -132,6 +169,53 @@ TEST(Timings, APassThatComesLaterHasNoPast) {
   history.paused = true;
   history.add(frame);
   EXPECT_EQ(history.frame_ms.size(), TimingHistory::limit);
+}
+
+TEST(Timings, AreOfFramesOfOneKind) {
+  TimingHistory history;
+  live::Published frame;
+  frame.passes = {{.name = "a", .ms = 1}};
+  frame.frame_ms = 3;
+  frame.made_with.size = {64, 36};
+  frame.made_with.settings.technique = &passes::find_technique("gtao");
+  EXPECT_TRUE(history.add(frame));
+  frame.made_with.size = {21, 12};
+  frame.reduced = true;
+  EXPECT_FALSE(history.add(frame)) << "smaller, because something moves";
+  EXPECT_EQ(history.frame_ms.size(), 1u);
+  frame.reduced = false;
+  EXPECT_TRUE(history.add(frame));
+  EXPECT_EQ(history.frame_ms.size(), 1u) << "another size begins anew";
+  frame.made_with.history = 1;
+  frame.made_with.settings.technique = &passes::find_technique("vbgi");
+  EXPECT_TRUE(history.add(frame));
+  EXPECT_EQ(history.run.frames.size(), 1u) << "and so do other settings";
+  EXPECT_STREQ(history.made_with.settings.technique->id, "vbgi");
+  frame.frame_ms = 5;
+  history.add(frame);
+  EXPECT_EQ(history.left_ms, (std::deque<float>{2, 4})) << "of each frame what its passes leave";
+  history.paused = true;
+  frame.made_with.settings.technique = &passes::find_technique("gtao");
+  EXPECT_FALSE(history.add(frame));
+  EXPECT_STREQ(history.made_with.settings.technique->id, "vbgi") << "what is kept was made with that";
+}
+
+TEST(Timings, RowsStandInTheOrderOfThePasses) {
+  TimingHistory history;
+  live::Published frame;
+  const auto run = [&](const std::vector<std::string>& names) {
+    frame.passes.clear();
+    for (const std::string& name : names) frame.passes.push_back({.name = name, .ms = 1});
+    history.add(frame);
+    std::string all;
+    for (const TimingHistory::Row& row : history.rows) all += row.name + " ";
+    return all;
+  };
+  EXPECT_EQ(run({"b", "readback"}), "b readback ");
+  EXPECT_EQ(run({"a", "b", "c", "d", "readback"}), "a b c d readback ");
+  EXPECT_EQ(run({"a", "b", "readback"}), "a b c d readback ");
+  EXPECT_EQ(run({"a", "e", "readback"}), "a e b c d readback ");
+  for (const TimingHistory::Row& row : history.rows) EXPECT_EQ(row.ms.size(), 4u) << row.name;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // both devices.
 #include "capture/trace.h"
 #include "cli_process.h"
+#include "image/image.h"
 
 namespace nf {
 namespace {
@@ -43,6 +44,14 @@ class GuiTest : public CliTest {
     std::ofstream(config() + "/nearfield/editor.json")
         << R"({"schema": "nearfield.editor/1", "preferences": {)" << preferences << "}}";
   }
+  // The same; what went wrong comes back.
+  std::string play_inside(const std::string& text) {
+    const Outcome played = play_in_work(text);
+    return played.code || played.err.find("validation:") != std::string::npos
+               ? fmt::format("exit {}: {}", played.code, played.err)
+               : "";
+  }
+  std::string captures() const { return (base_ / "work" / "captures").string(); }
   std::string config() const { return (base_ / "config").string(); }
 };
 
@@ -62,6 +71,13 @@ TEST_F(GuiTest, UndoTakesBackAGesture) {
 }
 TEST_F(GuiTest, ComparesWithWhatWasKept) {
   PLAYS(play(script_text("compare.jsonl")));
+}
+TEST_F(GuiTest, WhatHasTheFocusGetsItsKeys) {
+  PLAYS(play(script_text("keys.jsonl")));
+}
+// Where there is little room, rows of the grid are seen, and no name lies under its widget.
+TEST_F(GuiTest, SmallWindowsShowWhatTheyMust) {
+  PLAYS(play(replaced(script_text("small.jsonl"), "SHOT", out("small")), {}, {}, "1280x720"));
 }
 TEST_F(GuiTest, EveryPanelShowsSomething) {
   PLAYS(play(script_text("panels.jsonl")));
@@ -242,17 +258,84 @@ TEST_F(GuiTest, ABrokenSettingsFileIsPutAside) {
   PLAYS(play("{\"wait\": \"scene_frames >= 1\"}\n{\"expect\": \"scale == 1\"}\n", {"--reset-settings"}));
 }
 
+// The frames after a swap, called what they are; and the document that `bench` would have written.
 TEST_F(GuiTest, CapturesPassTheSchema) {
-  const std::filesystem::path work = base_ / "work";
-  const Outcome played =
-      play_in_work("{\"wait\": \"settled >= 6\"}\n{\"key\": \"ctrl+t\"}\n{\"wait\": \"toasts.0 contains captures\"}\n");
-  ASSERT_EQ(played.code, 0) << played.err;
+  ASSERT_EQ(play_inside(
+                "{\"wait\": \"settled >= 6\"}\n{\"click\": \"technique.combo\"}\n{\"click\": "
+                "\"technique.combo/gtao\"}\n{\"wait\": \"technique == gtao && settled >= 3\"}\n"
+                "{\"wait\": \"widgets.timings.row.gtao.trace.value > 0\"}\n"
+                "{\"expect\": \"widgets.timings.row.vbgi.trace.value == null\"}\n"
+                "{\"expect\": \"widgets.timings.row.unattributed.value > 0\"}\n"
+                "{\"click\": \"timings.pause\"}\n{\"key\": \"n\"}\n{\"wait\": \"technique != gtao && settled >= 2\"}\n"
+                "{\"key\": \"ctrl+t\"}\n{\"wait\": \"toasts.0 contains captures\"}\n"),
+            "");
   std::filesystem::path written_to;
-  for (const auto& entry : std::filesystem::directory_iterator(work / "captures")) written_to = entry.path();
+  for (const auto& entry : std::filesystem::directory_iterator(captures())) written_to = entry.path();
   const nlohmann::json timing = nlohmann::json::parse(bytes_of(written_to / "timing.json"));
-  EXPECT_EQ(timing["schema"], "nearfield.timing/1");
-  EXPECT_GT(timing["runs"][0]["passes"].size(), 5u);
+  EXPECT_EQ(schema_fault(timing), "");
+  const nlohmann::json& run = timing["runs"][0];
+  EXPECT_EQ(run["technique"], "gtao") << "what was timed, not what is chosen by now";
+  EXPECT_EQ(run["settings"]["technique"], "gtao");
+  std::string order;
+  for (const auto& pass : run["passes"]) order += pass["path"].get<std::string>() + " ";
+  EXPECT_NE(order.find("gtao.trace"), std::string::npos) << order;
+  EXPECT_EQ(order.find("vbgi"), std::string::npos) << order;
+  EXPECT_TRUE(order.ends_with("readback ")) << order;
+  const nlohmann::json preset = nlohmann::json::parse(bytes_of(written_to / "preset.json"));
+  EXPECT_EQ(preset["technique"], "gtao");
   EXPECT_TRUE(capture::check_trace(nlohmann::json::parse(bytes_of(written_to / "trace.json"))).empty());
+}
+
+// Each picture with its preset, program and device beside it; none takes another's place; a preset it is, still.
+TEST_F(GuiTest, EveryPictureSaysWhatMadeIt) {
+  ASSERT_EQ(play_inside(script_text("pictures.jsonl")), "");
+  std::map<std::string, int> pictures;
+  std::string last;
+  for (const auto& entry : std::filesystem::directory_iterator(captures())) {
+    const std::filesystem::path path = entry.path();
+    if (path.extension() == ".json") continue;
+    ++pictures[path.filename().string().substr(0, 6)];
+    const std::string beside = std::filesystem::path(path).replace_extension(".json");
+    const nlohmann::json made = nlohmann::json::parse(bytes_of(beside))["made"];
+    EXPECT_EQ(made["file"], path.filename().string());
+    EXPECT_GE(made["app"]["git"].get<std::string>().size(), 4u);
+    EXPECT_EQ(made["device"]["type"].get<std::string>().empty(), false);
+    last = beside;
+  }
+  EXPECT_EQ(pictures, (std::map<std::string, int>{{"layers", 1}, {"pictur", 2}, {"window", 1}}));
+  const Outcome rendered = run({"render", scene(), "--preset", last, "--size", "32x18", "-o", out("again.png")});
+  EXPECT_EQ(rendered.code, 0) << rendered.err;
+}
+
+// "As it is shown": false colours, and what lies outside the range, as the window has them.
+TEST_F(GuiTest, ATextureIsSavedAsItIsShown) {
+  std::filesystem::create_directories(config() + "/nearfield");
+  std::ofstream(config() + "/nearfield/editor.json")
+      << R"({"schema": "nearfield.editor/1", "preferences": {"settle": 4, "moving_scale": 1, "scale_chosen": true, "render_scale": 0.25}})";
+  ASSERT_EQ(play_inside(replaced(script_text("texture.jsonl"), "SHOT", out("shown.png"))), "");
+  std::filesystem::path saved;
+  for (const auto& entry : std::filesystem::directory_iterator(captures()))
+    if (entry.path().extension() == ".png") saved = entry.path();
+  const image::Image8 window = image::read_png(out("shown.png")), file = image::read_png(saved);
+  ASSERT_GE(window.width, 2 * file.width) << "texels as squares, or nothing can be compared";
+  size_t same = 0, coloured = 0, blue = 0;
+  for (uint32_t y = 0; y < file.height; ++y)
+    for (uint32_t x = 0; x < file.width; ++x) {
+      const size_t a = size_t(y * file.width + x) * 3,
+                   b = (size_t((y + 0.5) * window.height / file.height) * window.width +
+                        size_t((x + 0.5) * window.width / file.width)) *
+                       3;
+      int apart = 0;
+      for (size_t c = 0; c < 3; ++c) apart = std::max(apart, std::abs(file.pixels[a + c] - window.pixels[b + c]));
+      same += apart <= 2;
+      coloured += file.pixels[a] != file.pixels[a + 1];
+      blue += file.pixels[a] == 0 && file.pixels[a + 1] == 51 && file.pixels[a + 2] == 255;
+    }
+  const size_t all = size_t(file.width) * file.height;
+  EXPECT_GT(same, all * 98 / 100);
+  EXPECT_GT(coloured, all / 2);
+  EXPECT_GT(blue, all / 50) << "below the range";
+  EXPECT_LT(blue, all * 98 / 100);
 }
 
 }  // namespace

@@ -123,7 +123,8 @@ class BenchJob {
     for (size_t i = 0; i < subjects.size(); ++i) {
       capture::Run& run = measured.runs[i];
       run.settings = settings_json(subjects[i], view_);
-      run.scene = scene_json(o_.scene, o_.preset_view ? o_.preset : o_.view, scene);
+      run.scene = scene_json(o_.scene, o_.preset_view ? o_.preset : o_.view, scene.triangles(),
+                             scene.directional.size() + scene.punctual.size());
       if (!o_.pictures.empty() && measured.last[i].picture.width) {
         const fs::path file = fs::path(o_.pictures) / (run.name + ".png");
         image::write_png(file, measured.last[i].picture);

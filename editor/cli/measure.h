@@ -86,7 +86,7 @@ class Meter {
 nlohmann::json context_json(const gpu::Device& device, const capture::HostLoad& load, bool validation);
 nlohmann::json method_json(const MeasureOptions& options);
 nlohmann::json settings_json(const Subject& subject, const passes::FrameView& view);
-nlohmann::json scene_json(const std::string& path, const std::string& view_name, const scene::Scene& scene);
+nlohmann::json scene_json(const std::string& path, const std::string& view_name, uint64_t triangles, size_t lights);
 capture::Circumstances circumstances(const gpu::Device& device, const capture::HostLoad& load,
                                      const MeasureOptions& options);
 

@@ -77,12 +77,9 @@ json settings_json(const Subject& subject, const passes::FrameView& view) {
           {"changed", params::to_json(settings.blocks())}};
 }
 
-json scene_json(const std::string& path, const std::string& view_name, const scene::Scene& scene) {
-  return {{"path", path},
-          {"fnv1a64", hash_of(path)},
-          {"triangles", scene.triangles()},
-          {"lights", scene.directional.size() + scene.punctual.size()},
-          {"camera", view_name}};
+json scene_json(const std::string& path, const std::string& view_name, uint64_t triangles, size_t lights) {
+  return {
+      {"path", path}, {"fnv1a64", hash_of(path)}, {"triangles", triangles}, {"lights", lights}, {"camera", view_name}};
 }
 
 capture::Circumstances circumstances(const gpu::Device& device, const capture::HostLoad& load,

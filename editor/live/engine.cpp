@@ -229,6 +229,13 @@ Published Engine::frame(const Wanted& wanted) {
   out.number = ++number;
   out.settled = ++settled;
   out.moving = wanted.moving;
+  out.reduced = wanted.reduced;
+  out.made_with = {.settings = wanted.settings,
+                   .camera = wanted.camera,
+                   .size = view.size,
+                   .seed = view.seed,
+                   .history = wanted.history,
+                   .lights = wanted.lights.directional.size() + wanted.lights.punctual.size()};
   out.time = time;
   out.draws = renderer->draws();
 
@@ -267,7 +274,7 @@ void Engine::collect(const Wanted& wanted, const passes::FrameOutputs& outputs,
     if (name == "readback.layer") {
       out.picture = to_pixels(to_layer(*layer, readback));
     } else if (name == "readback.pick") {
-      if (!out.picked) out.picked = Picked{wanted.pick_serial, wanted.pick, {}};
+      if (!out.picked) out.picked = Picked{wanted.pick_serial, wanted.pick, {}, out.made_with};
       layers.push_back(to_layer(*picked[next_pick], readback));
       const image::Layer& values = layers.back();
       LayerValue value{.name = *picked[next_pick]->name ? picked[next_pick]->name : "final",
@@ -297,12 +304,19 @@ void Engine::collect(const Wanted& wanted, const passes::FrameOutputs& outputs,
     }
   }
   pick = wanted.pick_serial;
-  if (const std::string path = std::exchange(save_layers, {}); !path.empty())
+  const std::string path = std::exchange(save_layers, {});
+  if (path.empty()) return;
+  try {
     image::write_exr(path, layers,
                      {{"nearfield.technique", wanted.settings.technique->id},
                       {"nearfield.seed", fmt::format("{}", view.seed)},
                       {"nearfield.scene", scene->path}},
                      image::Precision::Half);
+    saved = Event{.kind = EventKind::Saved, .text = path};
+    saved->made_with = out.made_with;
+  } catch (const Error& error) {  // a full disk is no reason to lose the frame
+    saved = Event{.kind = EventKind::Failed, .text = error.what()};
+  }
 }
 
 // Planned once more, but only when it is another graph.

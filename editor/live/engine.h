@@ -33,7 +33,8 @@ struct Engine {
   uint32_t settled = 0;
   bool lost = false, lose_next = false;
   double time = 0;
-  std::string save_layers;  // with the next frame
+  std::string save_layers;     // with the next frame
+  std::optional<Event> saved;  // what came of it
   std::chrono::steady_clock::time_point last_frame = std::chrono::steady_clock::now();
   Wanted last;  // what the last frame was of
   // The last frame's, for what a change makes of it.

@@ -64,6 +64,16 @@ struct GraphInfo {
   std::string diff;  // against the plan before
 };
 
+// What a frame was made with: the window may want something else by the time it is seen.
+struct MadeWith {
+  passes::FrameSettings settings;
+  scene::Camera camera;
+  glm::uvec2 size{0};
+  uint32_t seed = 1;
+  uint64_t history = 0;  // of the Wanted
+  size_t lights = 0;
+};
+
 struct LayerValue {
   std::string name, channels;
   std::vector<float> values;
@@ -72,6 +82,7 @@ struct Picked {
   uint64_t serial = 0;
   glm::uvec2 pixel{0};
   std::vector<LayerValue> layers;
+  MadeWith made_with;
 };
 
 struct Pixels {
@@ -98,7 +109,8 @@ struct Published {
   uint64_t number = 0;    // frames since the start
   uint64_t revision = 0;  // of the Wanted it shows
   uint32_t settled = 0;   // frames since that revision
-  bool moving = false;
+  bool moving = false, reduced = false;
+  MadeWith made_with;
   Pixels picture;
   std::vector<PassRow> passes;
   float frame_ms = 0, wall_ms = 0, record_ms = 0;
@@ -136,6 +148,7 @@ struct Event {
   double ms = 0;
   std::vector<gpu::ReloadError> faults;
   SceneInfo scene;
+  MadeWith made_with;                  // Saved
   std::unique_ptr<scene::Scene> copy;  // SceneCopied: as it stands now
   bool software = false;
 };

@@ -38,6 +38,7 @@ struct Wanted {
   std::string layer;         // an AOV shown in place of the picture; "" = none
   uint32_t settle = 64;      // frames after which a still picture is done
   bool moving = false;       // someone is moving something: the next picture matters more than this one
+  bool reduced = false;      // `size` is smaller than that of the still picture, because of that
   bool paused = false;       // no frame, but of the same picture to look into
   bool playing = false;      // the scene's clock runs
   double step = 1.0 / 60;    // seconds a frame; 0 = as the wall clock

@@ -235,6 +235,7 @@ void Worker::run() {
         engine.failed_revision = wanted.revision;
       }
     }
+    if (engine.saved) tell(*std::exchange(engine.saved, std::nullopt));
     if (engine.device) {
       const uint64_t messages = engine.device->take_messages().size();  // each is in the log
       const std::lock_guard lock(mutex_);

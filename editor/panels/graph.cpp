@@ -73,8 +73,10 @@ void draw_slanted(ImDrawList* list, ImVec2 at, ImU32 color, const std::string& t
 
 void draw_grid(Editor& editor) {
   const live::GraphInfo& g = editor.graph;
-  const float line = ImGui::GetFontSize(), cell = line * 1.15f, head = line * 10, names = line * 13;
+  const float line = ImGui::GetFontSize(), cell = line * 1.15f, names = line * 13;
   ImGui::BeginChild("grid", ImVec2(0, 0), false, ImGuiWindowFlags_HorizontalScrollbar);
+  // The passes' names stay at the top, and leave rows enough: where room is short their ends are cut off.
+  const float head = std::clamp(ImGui::GetContentRegionAvail().y * 0.45f, line * 2.5f, line * 10);
   const ImVec2 origin = ImGui::GetCursorScreenPos();
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImU32 text = ImGui::GetColorU32(ImGuiCol_Text), grey = ImGui::GetColorU32(ImGuiCol_TextDisabled);
@@ -82,15 +84,22 @@ void draw_grid(Editor& editor) {
   for (size_t r = 0; r < g.resources.size(); ++r)
     if (!g.resources[r].imported) rows.push_back(r);
   ImGui::Dummy(ImVec2(names + cell * float(g.passes.size()) + line * 6, head + cell * float(rows.size()) + line));
+  const float top = origin.y + ImGui::GetScrollY(), foot = top + head;
+  list->ChannelsSplit(2);  // rows scroll by beneath the names
+  list->ChannelsSetCurrent(1);
+  list->AddRectFilled(ImVec2(list->GetClipRectMin().x, top), ImVec2(list->GetClipRectMax().x, foot),
+                      ImGui::GetColorU32(ImGuiCol_WindowBg));
   for (size_t p = 0; p < g.passes.size(); ++p) {
-    const float x = origin.x + names + cell * float(p), foot = origin.y + head;
-    list->AddLine(ImVec2(x + cell / 2, foot), ImVec2(x + cell / 2, foot + cell * float(rows.size())),
+    const float x = origin.x + names + cell * float(p);
+    list->ChannelsSetCurrent(0);
+    list->AddLine(ImVec2(x + cell / 2, foot), ImVec2(x + cell / 2, origin.y + head + cell * float(rows.size())),
                   IM_COL32(255, 255, 255, p % 5 == 0 ? 40 : 18));
+    list->ChannelsSetCurrent(1);
     draw_slanted(list, ImVec2(x + cell * 0.2f, foot - line * 1.2f), g.passes[p].culled ? grey : text, g.passes[p].name);
     if (g.passes[p].barrier_count)
       list->AddText(ImVec2(x + 2, foot - line * 1.05f), IM_COL32(204, 121, 167, 255),
                     fmt::format("{}", g.passes[p].barrier_count).c_str());
-    ImGui::SetCursorScreenPos(ImVec2(x, origin.y));
+    ImGui::SetCursorScreenPos(ImVec2(x, top));
     ImGui::PushID(int(p));
     const bool clicked = ImGui::InvisibleButton("pass", ImVec2(cell, head));
     ui::note("graph.pass." + g.passes[p].name, g.passes[p].culled ? "culled" : g.passes[p].kind);
@@ -114,6 +123,7 @@ void draw_grid(Editor& editor) {
     }
     ImGui::PopID();
   }
+  list->ChannelsSetCurrent(0);
   for (size_t i = 0; i < rows.size(); ++i) {
     const live::GraphInfo::Resource& r = g.resources[rows[i]];
     const float y = origin.y + head + cell * float(i);
@@ -151,6 +161,7 @@ void draw_grid(Editor& editor) {
       ImGui::PopID();
     }
   }
+  list->ChannelsMerge();
   ImGui::EndChild();
 }
 
@@ -172,8 +183,13 @@ void draw_graph_panel(Editor& editor) {
   ImGui::TextDisabled("(numbers: barriers before the pass)");
   if (!editor.plan_diff.empty()) {
     ImGui::SameLine();
-    ui::button("graph.diff", "what the last change did");
-    ui::tooltip(editor.plan_diff);
+    if (ui::button("graph.diff", "what the last change did", "Passes, resources and memory: before and after it"))
+      ImGui::OpenPopup("plan diff");
+    if (ImGui::BeginPopup("plan diff")) {
+      ImGui::TextUnformatted(editor.plan_diff.c_str());
+      ui::note("graph.diff.text", editor.plan_diff);
+      ImGui::EndPopup();
+    }
   }
   draw_grid(editor);
 }

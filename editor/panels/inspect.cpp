@@ -23,6 +23,12 @@ void draw_pixel_panel(Editor& editor) {
     ImGui::TextDisabled("reading ...");
     return;
   }
+  const live::MadeWith &then = values.made_with, &now = editor.shown_with;
+  const bool stale = then.history != now.history || !same(then.camera, now.camera);
+  ui::note("pixel.stale", stale ? "true" : "false");
+  if (stale)
+    ImGui::TextColored(ImVec4(1, 0.85f, 0.5f, 1), "of %s, before the last change: read again",
+                       then.settings.technique->id);
   if (!ImGui::BeginTable("layers", 2, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY)) return;
   ImGui::TableSetupColumn("layer", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * 7);
   ImGui::TableSetupColumn("value");

@@ -8,26 +8,48 @@
 
 namespace nf::editor {
 
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  const auto same = [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+  };
+  return part.empty() || std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
+}
+
+// 2: an error, 1: a warning, 0: anything else.
+int level_of(const std::string& line) {
+  return line.starts_with("error") || line.starts_with("critical") ? 2 : line.starts_with("warning") ? 1 : 0;
+}
+
+}  // namespace
+
 void draw_log_panel(Editor& editor) {
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
+  ui::combo("log.level", "", editor.log_level, {"all", "warnings, errors", "errors"});
+  ImGui::SameLine();
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 14);
   ui::text_input("log.search", "search", editor.log_search);
+  std::vector<const std::string*> shown;
+  for (const std::string& line : editor.log)
+    if (level_of(line) >= editor.log_level && contains(line, editor.log_search)) shown.push_back(&line);
   ImGui::SameLine();
-  if (ui::button("log.copy", "copy")) {
+  if (ui::button("log.copy", "copy", "The lines that are shown")) {
     std::string text;
-    for (const std::string& line : editor.log) text += line + "\n";
+    for (const std::string* line : shown) text += *line + "\n";
     ImGui::SetClipboardText(text.c_str());
+    toast(editor, fmt::format("{} of {} lines copied", shown.size(), editor.log.size()));
   }
   ImGui::SameLine();
-  if (ui::button("log.clear", "clear")) editor.log.clear();
+  if (ui::button("log.clear", "clear")) editor.log.clear(), shown.clear();
   ImGui::BeginChild("lines", ImVec2(0, 0), true);
   ui::note("log.lines", fmt::format("{}", editor.log.size()));
-  for (const std::string& line : editor.log) {
-    if (!editor.log_search.empty() && line.find(editor.log_search) == std::string::npos) continue;
-    const bool bad = line.starts_with("error"), warning = line.starts_with("warning");
-    if (bad || warning)
-      ImGui::PushStyleColor(ImGuiCol_Text, bad ? ImVec4(1, 0.5f, 0.5f, 1) : ImVec4(1, 0.85f, 0.5f, 1));
-    ImGui::TextUnformatted(line.c_str());
-    if (bad || warning) ImGui::PopStyleColor();
+  ui::note("log.shown", fmt::format("{}", shown.size()));
+  for (const std::string* line : shown) {
+    const int level = level_of(*line);
+    if (level) ImGui::PushStyleColor(ImGuiCol_Text, level == 2 ? ImVec4(1, 0.5f, 0.5f, 1) : ImVec4(1, 0.85f, 0.5f, 1));
+    ImGui::TextUnformatted(line->c_str());
+    if (level) ImGui::PopStyleColor();
   }
   if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY()) ImGui::SetScrollHereY(1);
   ImGui::EndChild();
@@ -51,12 +73,7 @@ void draw_help(Editor& editor) {
       ImGui::TableSetupColumn("what it does");
       for (const Action& action : actions()) {
         const std::string all = fmt::format("{} {} {}", action.name, action.help, action.keys);
-        const auto same = [](char a, char b) {
-          return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-        };
-        if (!editor.action_search.empty() && std::search(all.begin(), all.end(), editor.action_search.begin(),
-                                                         editor.action_search.end(), same) == all.end())
-          continue;
+        if (!contains(all, editor.action_search)) continue;
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(*action.keys ? ui::chord_name(ui::parse_chord(action.keys)).c_str() : "");
@@ -105,7 +122,12 @@ void draw_dialogs(Editor& editor) {
   const bool enter = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter)),
              escape = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
   bool close = escape;
-  if (ui::button("file.ok", save ? "Save" : "Open") || enter) {
+  bool pressed = false;
+  {
+    const ui::Disabled unnamed(editor.prompt.empty());
+    pressed = ui::button("file.ok", save ? "Save" : "Open");
+  }
+  if (pressed || (enter && !editor.prompt.empty())) {
     if (save)
       editor.save_preset = editor.prompt;
     else

@@ -1,4 +1,4 @@
-// The scene: its numbers, cameras and bookmarks, lights, materials' scales, and the clock.
+// The scene: its numbers, cameras and bookmarks, lights, and the clock.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -132,45 +132,49 @@ void draw_delta(const TimingHistory& t, const std::string& name, const capture::
 
 }  // namespace
 
-void TimingHistory::add(const live::Published& frame) {
-  if (paused || frame.passes.empty()) return;
-  for (const live::PassRow& pass : frame.passes)
-    if (std::none_of(rows.begin(), rows.end(), [&](const Row& r) { return r.name == pass.name; }))
-      rows.push_back({pass.name, pass.description, std::deque<float>(frame_ms.size(), NAN)});
-  for (Row& row : rows) {
-    const auto pass = std::find_if(frame.passes.begin(), frame.passes.end(),
-                                   [&](const live::PassRow& p) { return p.name == row.name; });
-    row.ms.push_back(pass == frame.passes.end() ? NAN : pass->ms);
-  }
+bool TimingHistory::add(const live::Published& frame) {
+  if (paused || frame.reduced || frame.passes.empty()) return false;
+  if (frame.made_with.history != made_with.history || frame.made_with.size != made_with.size) clear();
+  made_with = frame.made_with;
+  size_t next = 0;  // the row behind the last pass's
+  float left = frame.frame_ms;
+  for (Row& row : rows) row.ms.push_back(NAN);
   capture::FrameSample sample{.frame = uint32_t(frame.number),
                               .submit_ns = frame.submit_ns,
                               .gpu_ms = double(frame.frame_ms),
                               .wall_ms = double(frame.wall_ms),
                               .cpu_ms = double(frame.record_ms)};
-  for (const live::PassRow& pass : frame.passes)
+  for (const live::PassRow& pass : frame.passes) {
+    auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.name == pass.name; });
+    if (row == rows.end())
+      row = rows.insert(rows.begin() + long(next),
+                        {pass.name, pass.description, std::deque<float>(frame_ms.size() + 1, NAN)});
+    row->ms.back() = pass.ms;
+    next = size_t(row - rows.begin()) + 1;
+    left -= pass.ms;
     sample.passes.push_back({run.find_pass(pass.name, 1, pass.kind.c_str(), pass.description.c_str()),
                              double(pass.begin_ms), double(pass.ms), double(pass.record_ms)});
+  }
   run.frames.push_back(std::move(sample));
   frame_ms.push_back(frame.frame_ms);
   wall_ms.push_back(frame.wall_ms);
   record_ms.push_back(frame.record_ms);
-  if (frame_ms.size() <= limit) return;
+  left_ms.push_back(left);
+  if (frame_ms.size() <= limit) return true;
   for (Row& row : rows) row.ms.pop_front();
   run.frames.erase(run.frames.begin());
-  frame_ms.pop_front();
-  wall_ms.pop_front();
-  record_ms.pop_front();
+  for (std::deque<float>* times : {&frame_ms, &wall_ms, &record_ms, &left_ms}) times->pop_front();
   std::erase_if(rows, [](const Row& r) {
     return std::none_of(r.ms.begin(), r.ms.end(), [](float x) { return std::isfinite(x); });
   });
+  return true;
 }
 
 void TimingHistory::clear() {
   rows.clear();
   run = {};
-  frame_ms.clear();
-  wall_ms.clear();
-  record_ms.clear();
+  load = {};
+  for (std::deque<float>* times : {&frame_ms, &wall_ms, &record_ms, &left_ms}) times->clear();
 }
 
 void draw_timings_panel(Editor& editor) {
@@ -200,8 +204,6 @@ void draw_timings_panel(Editor& editor) {
   const size_t window = size_t(timing_windows[t.window]);
   std::vector<TimingRow> rows = make_rows(t, window);
   const capture::Statistics frame = statistics_of(t.frame_ms, window);
-  double sum = 0;
-  for (const TimingRow& row : rows) sum += row.s.median;
   const int columns = t.baseline.empty() ? 7 : 8;
   if (!ImGui::BeginTable("timings", columns,
                          ImGuiTableFlags_Sortable | ImGuiTableFlags_SortTristate | ImGuiTableFlags_RowBg |
@@ -251,9 +253,8 @@ void draw_timings_panel(Editor& editor) {
     if (columns == 8) ImGui::TableNextColumn(), draw_delta(t, name, s);
   };
   if (!t.frame_ms.empty()) {
-    capture::Statistics left;
-    left.median = std::max(frame.median - sum, 0.0);
-    total("unattributed", "The frame's time less its passes'", 0, left);
+    total("unattributed", "Of each frame's time, what no pass accounts for", double(t.left_ms.back()),
+          statistics_of(t.left_ms, window));
     total("frame", "From the first pass's begin to the last one's end", double(t.frame_ms.back()), frame);
     total("wall", "From submission until the host knew that the frame was done", double(t.wall_ms.back()),
           statistics_of(t.wall_ms, window));

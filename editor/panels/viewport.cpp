@@ -5,6 +5,7 @@
 #include <cmath>
 #include <imgui.h>
 
+#include "actions.h"
 #include "panels/panels.h"
 #include "ui/widgets.h"
 
@@ -37,8 +38,7 @@ void draw_toolbar(Editor& editor) {
   ui::tooltip("Against the picture that Set A kept, or the reference (X wipe, B blink, H difference)");
   ImGui::SameLine();
   if (ui::button("viewport.set_a", "Set A", "Keep this picture to compare with")) {
-    v.against = ui::PictureId::SlotA;
-    editor.keep_a = true;
+    keep_as_a(editor);
   }
   if (v.compare != CompareMode::Off) {
     ImGui::SameLine();
@@ -155,8 +155,27 @@ void draw_picture(Editor& editor, ImVec2 low, ImVec2 size) {
     const float at = low.x + size.x * v.wipe;
     list->AddImage(other, low, ImVec2(at, high.y), ImVec2(0, 0), ImVec2(v.wipe, 1));
     list->AddLine(ImVec2(at, low.y), ImVec2(at, high.y), IM_COL32(255, 255, 255, 220), 2);
-    list->AddText(ImVec2(low.x + 8, high.y - ImGui::GetFontSize() * 3.2f), IM_COL32(255, 255, 255, 230),
-                  v.against == ui::PictureId::SlotA ? "A" : "reference");
+  }
+  // Each side says what it is; a difference, of what.
+  const std::string mine = picture_label(editor);
+  const std::string others = v.against == ui::PictureId::SlotA
+                                 ? "A: " + v.label_a
+                                 : fmt::format("reference, {} samples a pixel", editor.reference.picture.spp);
+  const float y = high.y - ImGui::GetFontSize() * 3.2f;
+  const auto label = [&](const char* id, float x, const std::string& text) {
+    const ImVec2 extent = ImGui::CalcTextSize(text.c_str());
+    list->AddRectFilled(ImVec2(x - 4, y - 2), ImVec2(x + extent.x + 4, y + extent.y + 2), IM_COL32(0, 0, 0, 150), 3);
+    list->AddText(ImVec2(x, y), IM_COL32(255, 255, 255, 230), text.c_str());
+    ui::note_area(id, x, y, extent.x, extent.y, text);
+  };
+  const float right = high.x - 8 - ImGui::CalcTextSize(mine.c_str()).x;
+  if (v.compare == CompareMode::Wipe && other) {
+    label("viewport.label.other", low.x + 8, others);
+    label("viewport.label.this", right, mine);
+  } else if (v.compare == CompareMode::Blink && other) {
+    label(blink ? "viewport.label.other" : "viewport.label.this", blink ? low.x + 8 : right, blink ? others : mine);
+  } else if (v.compare == CompareMode::Difference && editor.pictures->size_of(v.against).x > 0) {
+    label("viewport.label.other", low.x + 8, mine + "  less  " + others);
   }
   if (v.compare != CompareMode::Off && v.compare != CompareMode::Difference && !other)
     list->AddText(ImVec2(low.x + 8, low.y + 8), IM_COL32(255, 200, 90, 255),
@@ -211,7 +230,7 @@ void draw_overlay(Editor& editor, ImVec2 low, ImVec2 size) {
                         IM_COL32(0, 0, 0, 150), 3);
     list->AddText(at, color, text.c_str());
   };
-  if (editor.scene_frames > 0) {
+  if (editor.scene_frames > 0 && !editor.preferences.hide_ui) {
     const glm::uvec2 s = editor.picture.size;
     std::string text = fmt::format("{} x {} > {:.0f} x {:.0f}", s.x, s.y, size.x, size.y);
     if (!editor.picture.name.empty()) text = editor.picture.name + "  " + text;
@@ -282,8 +301,8 @@ void draw_banner(Editor& editor, ImVec2 low, ImVec2 size) {
 
 void draw_viewport(Editor& editor) {
   Viewport& v = editor.viewport;
-  draw_toolbar(editor);
-  if (!editor.picture.floats.empty()) draw_look("viewport", v.look, v.auto_range, true);
+  if (!editor.preferences.hide_ui) draw_toolbar(editor);
+  if (!editor.preferences.hide_ui && !editor.picture.floats.empty()) draw_look("viewport", v.look, v.auto_range, true);
   ImVec2 low = ImGui::GetCursorScreenPos(), size = ImGui::GetContentRegionAvail();
   size = ImVec2(std::max(std::floor(size.x), 1.0f), std::max(std::floor(size.y), 1.0f));
   v.x = low.x, v.y = low.y, v.width = size.x, v.height = size.y;
@@ -341,25 +360,34 @@ void fit_range(const live::Pixels& pixels, ui::PictureLook& look) {
   if (channels > 1 && look.show == ui::Show::Red) look.show = ui::Show::Rgb;
 }
 
+// On the same line if the next item, so wide, still fits.
+static void beside(float width) {
+  const float edge = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  if (ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x + width <= edge) ImGui::SameLine();
+}
+
 void draw_look(const std::string& id, ui::PictureLook& look, bool& auto_range, bool floats) {
   if (!floats) return;
   int show = int(look.show);
   const float line = ImGui::GetFontSize();
+  const auto box = [](const char* label) {
+    return ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize(label).x;
+  };
+  const auto drag = [&](const char* name, float& value) {
+    beside(line * 5);
+    ImGui::SetNextItemWidth(line * 5);
+    if (ImGui::DragFloat(fmt::format("##{}{}", id, name).c_str(), &value, 0.01f, 0, 0, "%.4g")) auto_range = false;
+    ui::note(id + name, fmt::format("{:g}", value));
+  };
   ImGui::SetNextItemWidth(line * 7);
   if (ui::combo(id + ".show", "", show, {"RGB", "R", "G", "B", "A", "false colour"})) look.show = ui::Show(show);
-  ImGui::SameLine();
+  beside(box("fit"));
   ui::checkbox(id + ".auto_range", "fit", auto_range, "Range from the smallest to the largest number, each frame");
-  ImGui::SameLine();
-  ImGui::SetNextItemWidth(line * 5);
-  if (ImGui::DragFloat("##low", &look.low, 0.01f, 0, 0, "%.4g")) auto_range = false;
-  ui::note(id + ".low", fmt::format("{:g}", look.low));
-  ImGui::SameLine();
-  ImGui::SetNextItemWidth(line * 5);
-  if (ImGui::DragFloat("##high", &look.high, 0.01f, 0, 0, "%.4g")) auto_range = false;
-  ui::note(id + ".high", fmt::format("{:g}", look.high));
-  ImGui::SameLine();
+  drag(".low", look.low);
+  drag(".high", look.high);
+  beside(box("sRGB"));
   ui::checkbox(id + ".srgb", "sRGB", look.srgb, "Show linear light through the sRGB curve");
-  ImGui::SameLine();
+  beside(box("outside"));
   ui::checkbox(id + ".mark", "outside", look.mark_outside, "Blue below the range, red above it; NaN is magenta always");
 }
 

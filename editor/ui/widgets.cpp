@@ -130,8 +130,12 @@ bool color(const std::string& id, const std::string& label, float rgb[3]) {
 void chip(const std::string& id, const std::string& text, unsigned color) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
   const float pad = ImGui::GetFontSize() * 0.35f;
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  ImGui::Dummy(ImVec2(size.x + 2 * pad, size.y));
+  // On the line of text that frames beside it have.
+  ImVec2 at = ImGui::GetCursorScreenPos();
+  at.y += ImGui::GetCurrentWindow()->DC.CurrLineTextBaseOffset;
+  const ImVec2 extent(size.x + 2 * pad, size.y);
+  ImGui::ItemSize(extent, 0);
+  ImGui::ItemAdd(ImRect(at, ImVec2(at.x + extent.x, at.y + extent.y)), 0);
   note(id, text);
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->AddRectFilled(at, ImVec2(at.x + size.x + 2 * pad, at.y + size.y), color, pad);
@@ -161,7 +165,11 @@ bool param(const ParamBlock& block, const Param& row) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(name.c_str());
   const bool name_hovered = ImGui::IsItemHovered();
-  ImGui::SameLine(width * 0.46f);
+  const float column = width * 0.46f;
+  if (ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x <= at.x + column)
+    ImGui::SameLine(column);
+  else
+    ImGui::SetCursorScreenPos(ImVec2(at.x + column, ImGui::GetCursorScreenPos().y));  // below a long name
   ImGui::SetNextItemWidth(row.type == ParamType::Choice || !*row.unit ? -FLT_MIN : -line * 2.6f);
   switch (row.type) {
     case ParamType::Bool: {
