@@ -161,7 +161,7 @@ const Action* find_action(std::string_view id) {
 void keep_as_a(Editor& editor) {
   editor.keep_a = true;
   editor.viewport.against = ui::PictureId::SlotA;
-  if (editor.picture.floats.empty()) editor.viewport.label_a = picture_label(editor);  // a layer is not kept
+  editor.viewport.label_a = picture_label(editor);
 }
 
 std::string picture_label(const Editor& editor) {

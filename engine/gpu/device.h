@@ -108,8 +108,8 @@ struct Device : DeviceHandles {
   VkResult submit_although_lost(const VkSubmitInfo2& submit, VkFence fence = VK_NULL_HANDLE);
   // All that was submitted to this user's queue is done. At once when the device is lost: nothing will come of it.
   void wait_idle() const;
-  // Test hook: whatever is submitted, by either user, finds the device lost, from now on or from the window's next picture
-  // on, which meets it with an image of its swapchain in hand.
+  // Test hook: whatever is submitted, by either user, finds the device lost, from now on or from the window's next
+  // picture on, which meets it with an image of its swapchain in hand.
   enum class Loss : uint8_t { None, AtPicture, Now };
   void pretend_lost(Loss loss = Loss::Now);
   // Nothing where the device cannot tell.

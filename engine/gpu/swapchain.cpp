@@ -191,11 +191,11 @@ void Swapchain::present(VkExtent2D size, std::span<const std::byte> rgba) {
                        .signalSemaphoreInfoCount = 1,
                        .pSignalSemaphoreInfos = &signal};
   if (const VkResult submitted = device_.submit(submit, done_); submitted != VK_SUCCESS) {
-    // The acquire is still going to signal its semaphore, and nobody waits for that any more: to destroy it in that state
-    // is an error, in which validation layer 1.3.239 crashes. A device that is really lost refuses this, too, and may.
-    const VkSubmitInfo2 nothing{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                                .waitSemaphoreInfoCount = 1,
-                                .pWaitSemaphoreInfos = &ready};
+    // The acquire is still going to signal its semaphore, and nobody waits for that any more: to destroy it in that
+    // state is an error, in which validation layer 1.3.239 crashes. A device that is really lost refuses this, too, and
+    // may.
+    const VkSubmitInfo2 nothing{
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .waitSemaphoreInfoCount = 1, .pWaitSemaphoreInfos = &ready};
     device_.submit_although_lost(nothing);
     check(submitted, "vkQueueSubmit2", __FILE__, __LINE__);
   }

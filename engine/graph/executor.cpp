@@ -96,8 +96,7 @@ FrameResult Executor::finish() {
     PassTime& pass = result.passes[i];
     pass.begin_ms = ns[2 * i] * 1e-6;
     pass.ms = std::max(ns[2 * i + 1] - ns[2 * i], 0.0) * 1e-6;
-    if (last_counted_ && has_shader(pass.kind))
-      pass.counts = read_counts(device_, *last_, counted_work(pass.kind), i);
+    if (last_counted_ && has_shader(pass.kind)) pass.counts = read_counts(device_, *last_, counted_work(pass.kind), i);
   }
   result.frame_ms = (*std::max_element(ns.begin(), ns.end()) - *std::min_element(ns.begin(), ns.end())) * 1e-6;
   return result;
