@@ -19,6 +19,16 @@ void toggle(Editor& e, CompareMode mode) {
   e.viewport.compare = e.viewport.compare == mode ? CompareMode::Off : mode;
 }
 
+// False when the pixel panel is not open: then the arrow keys are the slice inspector's.
+bool move_pick(Editor& e, glm::ivec2 by) {
+  if (!e.pixel_visible || !e.picking.locked || e.picking.size.x == 0) return false;
+  const glm::ivec2 limit = glm::ivec2(e.picking.size) - 1;
+  e.picking.place = (glm::vec2(glm::clamp(glm::ivec2(e.picking.pixel) + by, glm::ivec2(0), limit)) + 0.5f) /
+                    glm::vec2(e.picking.size);
+  e.picking.asked = true;
+  return true;
+}
+
 void open_dialog(Editor& e, bool save) {
   if (e.show_save || e.show_open) return;  // one after the other: its text field would keep the other's text
   e.show_save = save;
@@ -92,8 +102,14 @@ const Action table[] = {
      [](Editor& e) { toggle(e, CompareMode::Wipe); }},
     {"view.blink", "View", "Blink", "b", "The picture and A in turns",
      [](Editor& e) { toggle(e, CompareMode::Blink); }},
-    {"view.difference", "View", "Difference", "h", "How far the picture is from A, in false colours",
-     [](Editor& e) { toggle(e, CompareMode::Difference); }},
+    {"view.difference", "View", "Difference", "h",
+     "How far the picture is from A: as it is, x 10, x 100, relative, off",
+     [](Editor& e) {
+       Viewport& v = e.viewport;
+       const bool on = v.compare == CompareMode::Difference, last = v.difference + 1 == int(std::size(differences));
+       v.difference = on && !last ? v.difference + 1 : 0;
+       v.compare = on && last ? CompareMode::Off : CompareMode::Difference;
+     }},
     {"view.keep", "View", "Keep as A", "k", "The picture as it is, to compare with", [](Editor& e) { keep_as_a(e); }},
     {"view.keep2", "", "Keep as A", "ctrl+b", "The picture as it is, to compare with", [](Editor& e) { keep_as_a(e); }},
     {"view.reference", "View", "Reference", "r", "The path tracer refines this view in the background",
@@ -113,10 +129,22 @@ const Action table[] = {
        e.slices.on = !e.slices.on;
        if (e.slices.on) e.preferences.right_tab = "Slices";
      }},
-    {"slices.next", "", "Next slice", "right", "Of the slice inspector", [](Editor& e) { step_slice(e, 1); }},
-    {"slices.previous", "", "Previous slice", "left", "Of the slice inspector", [](Editor& e) { step_slice(e, -1); }},
-    {"slices.more", "", "One more sample", "up", "Of the slice inspector", [](Editor& e) { step_sample(e, 1); }},
-    {"slices.fewer", "", "One sample less", "down", "Of the slice inspector", [](Editor& e) { step_sample(e, -1); }},
+    {"slices.next", "", "Next slice", "right", "Of the slice inspector; else the pixel beside the picked one",
+     [](Editor& e) {
+       if (!move_pick(e, {1, 0})) step_slice(e, 1);
+     }},
+    {"slices.previous", "", "Previous slice", "left", "Of the slice inspector; else the pixel beside the picked one",
+     [](Editor& e) {
+       if (!move_pick(e, {-1, 0})) step_slice(e, -1);
+     }},
+    {"slices.more", "", "One more sample", "up", "Of the slice inspector; else the pixel beside the picked one",
+     [](Editor& e) {
+       if (!move_pick(e, {0, -1})) step_sample(e, 1);
+     }},
+    {"slices.fewer", "", "One sample less", "down", "Of the slice inspector; else the pixel beside the picked one",
+     [](Editor& e) {
+       if (!move_pick(e, {0, 1})) step_sample(e, -1);
+     }},
     {"view.graph", "View", "Frame graph", "g", "Passes against resources",
      [](Editor& e) { e.preferences.bottom_tab = "Graph"; }},
     {"view.frame", "View", "Frame the scene", "f", "The camera sees all of it",

@@ -438,7 +438,7 @@ void App::frame() {
   io.DisplaySize = ImVec2(float(std::max(e_.window.x, 1u)), float(std::max(e_.window.y, 1u)));
   io.DeltaTime = std::max(float(e_.now - before), 1e-4f);
   ui::widgets().clear();
-  e_.texture_visible = false;
+  e_.texture_visible = e_.pixel_visible = false;
   e_.shown_preview = std::exchange(e_.pointed, std::nullopt);
   ImGui::NewFrame();
   draw_layout(e_);

@@ -56,6 +56,22 @@ inline constexpr int timing_windows[] = {60, 300, 1000};
 
 enum class CompareMode : uint8_t { Off, Wipe, Blink, Difference };
 
+// How the difference of two pictures is shown: its lightest colour stands for `white`.
+struct DifferenceLook {
+  const char* name;
+  float white;
+  bool relative;
+};
+inline constexpr DifferenceLook differences[] = {
+    {"x 1", 1, false}, {"x 10", 0.1f, false}, {"x 100", 0.01f, false}, {"relative", 1, true}};
+struct DifferenceNumbers {
+  double at = -1;  // when they were taken, as Editor::now
+  int look = 0;
+  ui::PictureId against = ui::PictureId::SlotA;
+  float mean = 0, p95 = 0, most = 0;
+  bool any = false;  // of pictures of one size and kind
+};
+
 // The picture in the middle: what it shows, and how.
 struct Viewport {
   std::string layer;
@@ -63,7 +79,9 @@ struct Viewport {
   bool auto_range = true;
   CompareMode compare = CompareMode::Off;
   ui::PictureId against = ui::PictureId::SlotA;
-  float wipe = 0.5f, difference_scale = 0.25f, blink_seconds = 0.5f;
+  float wipe = 0.5f, blink_seconds = 0.5f;
+  int difference = 0;  // row of differences
+  DifferenceNumbers apart;
   std::string label_a;                        // what A was made with
   float x = 0, y = 0, width = 0, height = 0;  // of the picture, window pixels
   bool hovered = false, dragging_wipe = false;
@@ -200,8 +218,8 @@ struct Editor {
   std::string preset_folder, bundled_scene;
   std::string save_preset, save_texture;  // a path; an ending
   bool save_curve = false;
-  bool texture_visible = false;  // in this frame
-  std::string carried;           // the panel that was pulled out and is not let go of yet
+  bool texture_visible = false, pixel_visible = false;  // these panels, in this frame
+  std::string carried;                                  // the panel that was pulled out and is not let go of yet
   std::optional<live::ProbeWanted> texture_asked;
   bool capture_asked = false, save_layers = false, copy_command = false, fullscreen_asked = false;
   uint64_t picture_hash = 0, hashed_frame = 0;  // made when a script or a state file wants it

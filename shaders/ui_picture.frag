@@ -5,7 +5,7 @@
 #include "common/color.glsl"
 
 const uint SHOW_RGB = 0u, SHOW_FALSE_COLOR = 5u;  // 1 to 4: one channel as grey
-const uint FLAG_NEAREST = 1u, FLAG_SRGB = 2u, FLAG_MARK_OUTSIDE = 4u;
+const uint FLAG_NEAREST = 1u, FLAG_SRGB = 2u, FLAG_MARK_OUTSIDE = 4u, FLAG_RELATIVE = 8u;
 
 struct UiDraw {
   uint kind, first, second;  // words of `texels` where the picture begins, and the one it is compared with
@@ -72,7 +72,9 @@ void main() {
 #if KIND == 1
   pictures = vec4(lookup(d, false).rgb, 1.0);
 #elif KIND == 3
-  vec3 apart = abs(lookup(d, false).rgb - lookup(d, true).rgb);
+  vec3 reference = lookup(d, true).rgb;
+  vec3 apart = abs(lookup(d, false).rgb - reference);
+  if ((d.flags & FLAG_RELATIVE) != 0u) apart /= max(abs(reference), 0.01);
   pictures = vec4(false_color((max(apart.r, max(apart.g, apart.b)) - d.low) / max(d.high - d.low, 1e-20)), 1.0);
 #else
   vec4 value = lookup(d, false);

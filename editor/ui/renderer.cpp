@@ -2,6 +2,7 @@
 #include "ui/renderer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <imgui.h>
 #include <utility>
@@ -30,7 +31,8 @@ constexpr bool has_image(uint32_t kind) {
 constexpr bool has_table(uint32_t kind) {
   return kind != Image;
 }
-enum Flag : uint32_t { Nearest = 1, Srgb = 2, MarkOutside = 4 };
+enum Flag : uint32_t { Nearest = 1, Srgb = 2, MarkOutside = 4, Relative = 8 };
+constexpr float least_reference = 0.01f;  // as ui_picture.frag
 
 }  // namespace
 
@@ -162,7 +164,7 @@ void* Renderer::show(PictureId id, const PictureLook& look) {
   return reinterpret_cast<void*>(shown_.size() - 1);
 }
 
-void* Renderer::show_difference(PictureId a, PictureId b, float low, float high, bool nearest) {
+void* Renderer::show_difference(PictureId a, PictureId b, float high, bool relative, bool nearest) {
   const Picture &one = pictures_[size_t(a)], &two = pictures_[size_t(b)];
   if ((one.words.empty() && !one.image) || two.words.empty() || one.floats != two.floats) return nullptr;
   shown_.push_back({.kind = one.image ? ImageDifference : Difference,
@@ -171,10 +173,34 @@ void* Renderer::show_difference(PictureId a, PictureId b, float low, float high,
                     .size = one.size,
                     .second_size = two.size,
                     .show = one.floats ? 1u : 0u,
-                    .flags = nearest ? Nearest : 0u,
-                    .low = low,
+                    .flags = (nearest ? Nearest : 0u) | (relative ? Relative : 0u),
+                    .low = 0,
                     .high = high});
   return reinterpret_cast<void*>(shown_.size() - 1);
+}
+
+std::vector<float> Renderer::difference(PictureId a, PictureId b, bool relative) {
+  const Picture &one = pictures_[size_t(a)], &two = pictures_[size_t(b)];
+  std::vector<float> out;
+  if (one.size != two.size || one.floats != two.floats || two.words.empty()) return out;
+  const std::vector<uint8_t> lent = one.image ? texels(a) : std::vector<uint8_t>();
+  const auto value = [](const void* texels, bool floats, size_t at) {
+    float x = 0;
+    if (floats)
+      std::memcpy(&x, static_cast<const float*>(texels) + at, 4);
+    else
+      x = float(static_cast<const uint8_t*>(texels)[at]) / 255.0f;
+    return x;
+  };
+  const void* first = one.image ? static_cast<const void*>(lent.data()) : one.words.data();
+  for (size_t i = 0; i < size_t(one.size.x) * one.size.y; ++i) {
+    float& most = out.emplace_back(0.0f);
+    for (size_t c = 0; c < 3; ++c) {
+      const float x = value(first, one.floats, i * 4 + c), y = value(two.words.data(), two.floats, i * 4 + c);
+      most = std::max(most, std::abs(x - y) / (relative ? std::max(std::abs(y), least_reference) : 1.0f));
+    }
+  }
+  return out;
 }
 
 // All pictures stand one after the other. `first` and `second` of the rows become places in the buffer.

@@ -66,8 +66,11 @@ class Renderer {
 
   // For ImGui::Image(), good until the end of this frame.
   void* show(PictureId id, const PictureLook& look = {});
-  // |a - b| in false colours, `high` being the lightest. Of pictures of the same kind.
-  void* show_difference(PictureId a, PictureId b, float low, float high, bool nearest);
+  // |a - b| in false colours, `high` being the lightest; relative: over |b|, which counts as 0.01 at least. Of pictures
+  // of the same kind.
+  void* show_difference(PictureId a, PictureId b, float high, bool relative, bool nearest);
+  // Of each pixel the greatest of its colours' differences; empty when the two are not of one kind and size.
+  std::vector<float> difference(PictureId a, PictureId b, bool relative);
 
   // Renders and waits: RGBA8 texels of `size`, good until the next call.
   std::span<const std::byte> draw(const ImDrawData& data, glm::uvec2 size);

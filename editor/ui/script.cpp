@@ -220,6 +220,7 @@ bool Script::run(const json& line, const json& state, InputQueue& input, double)
       if (widget == state.at("widgets").end()) return false;  // not there yet
       const json& rect = widget->at("rect");
       for (int i = 0; i < 4; ++i) part[i] = int(rect.at(size_t(i)).get<float>());
+      if (line.contains("above")) part[3] = int(float(part[3]) * line.at("above").get<float>());
     }
     return host_.screenshot(line.at("screenshot"), part), true;
   }

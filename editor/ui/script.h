@@ -9,7 +9,7 @@
 //   {"keep": "before", "of": "picture_hash"}  later: {"expect": "picture_hash != $before"}
 //   {"tell": "first picture", "of": "seconds"}  one line on stdout; `seconds` are those since the start
 //   {"drop": path}, {"resize": [w, h]}, {"display_scale": 2}
-//   {"screenshot": path}                      "of": only what is within this widget
+//   {"screenshot": path}                      "of": only what is within this widget, "above": a share of its height
 //   {"edit": path, "replace": [from, to]}     changes a file, as another program would
 //   {"lose_device": "renderer"}, {"lose_device": "window"}, {"quit": true}
 //
