@@ -2,6 +2,7 @@
 # The editor in a real window: found, clicked and typed at by xdotool under Xvfb. The first argument is the build folder.
 set -euo pipefail
 build=$1
+edit=(env "LD_PRELOAD=${NF_PRELOAD:-}" "$build/nearfield" edit)  # the process is the editor's own, for xdotool
 here=$(cd "$(dirname "$0")" && pwd)
 for tool in Xvfb xdotool python3; do
   command -v "$tool" >/dev/null || { echo "skipped: $tool is not installed"; exit 77; }
@@ -34,7 +35,7 @@ click() { # WIDGET [BUTTON]
   xdotool mousemove --window "$window" "$x" "$y" click "${2:-1}" mousemove --window "$window" 2 2
 }
 
-"$build/nearfield" edit "$build/content/cornell.glb" --window 1280x720 --ui-state ui.json --validation >out.log 2>err.log &
+"${edit[@]}" "$build/content/cornell.glb" --window 1280x720 --ui-state ui.json --validation >out.log 2>err.log &
 editor=$!
 window=$(timeout 30 xdotool search --sync --onlyvisible --pid "$editor" | head -1)
 xdotool windowfocus --sync "$window"
@@ -82,7 +83,10 @@ ui wait 'faults == []'
 
 echo "captured to disk"
 xdotool key ctrl+t
-ui wait 'toasts != []'
+for _ in $(seq 100); do
+  ls captures/timing-*/trace.json captures/timing-*/frames.csv >/dev/null 2>&1 && break
+  sleep 0.1
+done
 ls captures/timing-*/trace.json captures/timing-*/frames.csv >/dev/null
 
 echo "tiny and back"
@@ -99,7 +103,7 @@ editor=
 
 echo "twice the pixels"
 xprop -root -f RESOURCE_MANAGER 8s -set RESOURCE_MANAGER "Xft.dpi: 192"
-"$build/nearfield" edit "$build/content/cornell.glb" --window 640x360 --ui-state ui2.json --validation >out.log 2>err.log &
+"${edit[@]}" "$build/content/cornell.glb" --window 640x360 --ui-state ui2.json --validation >out.log 2>err.log &
 editor=$!
 python3 "$here/ui.py" ui2.json wait 'scale == 2 and scene_frames >= 1'
 window=$(timeout 30 xdotool search --sync --onlyvisible --pid "$editor" | head -1)
@@ -121,7 +125,7 @@ $lost
 {"lose_device": "window"}
 $lost
 EOF
-"$build/nearfield" edit "$build/content/cornell.glb" --window 1280x720 --device-sharing shared --ui-script lost.jsonl --validation >out.log 2>err.log
+"${edit[@]}" "$build/content/cornell.glb" --window 1280x720 --device-sharing shared --ui-script lost.jsonl --validation >out.log 2>err.log
 if grep -q "validation:" err.log; then exit 1; fi
 
 echo "a device each: the window's is lost, and the renderer goes on"
@@ -133,7 +137,7 @@ cat >lost.jsonl <<'EOF'
 {"wait": "window.0 == 900 && scene_frames_since_change >= 1"}
 {"expect": "device_lost == false && picture_kind == bytes"}
 EOF
-"$build/nearfield" edit "$build/content/cornell.glb" --window 1280x720 --device-sharing separate --ui-script lost.jsonl --validation >out.log 2>err.log
+"${edit[@]}" "$build/content/cornell.glb" --window 1280x720 --device-sharing separate --ui-script lost.jsonl --validation >out.log 2>err.log
 grep -q "the GPU was lost" err.log
 if grep -q "validation:" err.log; then exit 1; fi
 echo "all well"
