@@ -78,15 +78,7 @@ std::vector<image::Layer> Stage::mean(const passes::FrameSettings& settings, std
                                       uint32_t seed, uint32_t frames) {
   passes::FrameView view = view_;
   view.seed = seed;
-  for (uint32_t n = 0; n < frames; ++n) {
-    if (interrupted()) return {};
-    view.frame_index = n;
-    run_frame(*renderer_, view, settings, {.layers = layers, .mean = n, .forget = n == 0});
-  }
-  const std::vector<graph::Readback> readbacks = renderer_->executor().take_readbacks();
-  std::vector<image::Layer> out;
-  for (size_t i = 0; i < layers.size(); ++i) out.push_back(to_layer(*layers[i], readbacks[i]));
-  return out;
+  return mean_layers(*renderer_, view, settings, layers, frames);
 }
 
 std::vector<image::Layer> Stage::settled_mean(const Contender& of, const passes::Aov& layer, uint32_t seed,

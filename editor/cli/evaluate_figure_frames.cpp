@@ -171,16 +171,11 @@ json FrameStage::holes(const passes::FrameSettings& settings, const glm::vec3& b
 }
 
 image::Image FrameStage::mean(const passes::FrameSettings& settings, const char* name, uint32_t seed, uint32_t frames) {
-  const passes::Aov& layer = passes::find_aov(name);
-  const passes::Aov* const layers[] = {&layer};
+  const passes::Aov* const layers[] = {&passes::find_aov(name)};
   passes::FrameView view = view_;
   view.seed = seed;
-  for (uint32_t n = 0; n < frames; ++n) {
-    if (interrupted()) return {};
-    view.frame_index = n;
-    run_frame(*renderer_, view, settings, {.layers = layers, .mean = n, .forget = n == 0});
-  }
-  return to_layer(layer, renderer_->executor().take_readbacks().front()).image;
+  std::vector<image::Layer> means = mean_layers(*renderer_, view, settings, layers, frames);
+  return means.empty() ? image::Image() : std::move(means.front().image);
 }
 
 json FrameStage::direct(const passes::FrameSettings& of, TruthStore& store, image::Image& seen, image::Image& truth) {

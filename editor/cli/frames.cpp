@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cli/options.h"
 #include "core/log.h"
 #include "graph/probe.h"
 
@@ -97,6 +98,20 @@ image::Layer to_layer(const passes::Aov& aov, const graph::Readback& readback) {
   for (size_t texel = 0; texel < floats.size() / have; ++texel)
     for (uint32_t c = 0; c < wanted; ++c) layer.image.pixels[texel * wanted + c] = floats[texel * have + c];
   return layer;
+}
+
+std::vector<image::Layer> mean_layers(passes::Renderer& renderer, passes::FrameView view,
+                                      const passes::FrameSettings& settings, std::span<const passes::Aov* const> layers,
+                                      uint32_t frames) {
+  for (uint32_t n = 0; n < frames; ++n) {
+    if (interrupted()) return {};
+    view.frame_index = n;
+    run_frame(renderer, view, settings, {.layers = layers, .mean = n, .forget = n == 0});
+  }
+  const std::vector<graph::Readback> readbacks = renderer.executor().take_readbacks();
+  std::vector<image::Layer> out;
+  for (size_t i = 0; i < layers.size(); ++i) out.push_back(to_layer(*layers[i], readbacks[i]));
+  return out;
 }
 
 image::Image8 to_image8(const graph::Readback& readback) {

@@ -29,6 +29,11 @@ struct FrameRequest {
 graph::FrameResult run_frame(passes::Renderer& renderer, passes::FrameView& view, const passes::FrameSettings& settings,
                              const FrameRequest& request);
 
+// The means of layers over frames from no history on; empty: interrupted.
+std::vector<image::Layer> mean_layers(passes::Renderer& renderer, passes::FrameView view,
+                                      const passes::FrameSettings& settings, std::span<const passes::Aov* const> layers,
+                                      uint32_t frames);
+
 // The samples of one pixel, which costs a frame; nothing where the technique does not tell them.
 std::optional<passes::Inspection> inspect_pixel(passes::Renderer& renderer, passes::FrameView view,
                                                 const passes::FrameSettings& settings, glm::uvec2 pixel);

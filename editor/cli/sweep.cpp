@@ -283,8 +283,8 @@ constexpr const char* footer = R"(A specification:
 "technique": "*" stands for each there is. "reference" can name a file, with {place}, {scene} or {camera} in it. A cell's
 error is that of one frame behind the timed ones, on the final radiance or on "layer". It is held against the time of the
 frame, or with "cost": "technique" against that of the passes that a frame without a technique does not have: what the
-rest of the frame did meanwhile, on a software or a busy device often more than the technique takes, is not in it. Each finished cell is a line of
-DIR/cells.jsonl; Ctrl-C or a crash loses none, and --resume goes on.
+rest of the frame did meanwhile, on a software or a busy device often more than the technique takes, is not in it. Each
+finished cell is a line of DIR/cells.jsonl; Ctrl-C or a crash loses none, and --resume goes on.
 Examples:
   nearfield sweep spec.json --dry-run
   nearfield sweep spec.json -o out --resume --budget 20ms

@@ -146,12 +146,13 @@ class PlaceWork {
     for (const SweepCell* cell : cells) subjects.push_back(subject_of(work_.spec, *cell));
     const capture::LoadWatch watch;
     const Measured measured = measure(subjects, work_.spec.measure);
+    if (!measured.complete) return false;
     std::vector<Subject> without = subjects;
     for (Subject& subject : without) subject.settings.technique = &passes::find_technique("none");
     MeasureOptions once = work_.spec.measure;
     once.warmup = 0, once.frames = once.repeats = 1;
     const Measured plain = measure(without, once);
-    if (!measured.complete || !plain.complete) return false;
+    if (!plain.complete) return false;
     for (size_t i = 0; i < cells.size(); ++i)
       store.add(row(*cells[i], subjects[i], measured.runs[i], measured.last[i],
                     technique_time(measured.runs[i], plain.runs[i]), watch.load()));
