@@ -3,6 +3,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <algorithm>
+#include <utility>
 
 #include "scene/view.h"
 
@@ -103,7 +104,7 @@ const Action table[] = {
     {"view.blink", "View", "Blink", "b", "The picture and A in turns",
      [](Editor& e) { toggle(e, CompareMode::Blink); }},
     {"view.difference", "View", "Difference", "h",
-     "How far the picture is from A: as it is, x 10, x 100, relative, off",
+     "How far the picture is from A: as it is, x 10, x 100, relative, FLIP, off",
      [](Editor& e) {
        Viewport& v = e.viewport;
        const bool on = v.compare == CompareMode::Difference, last = v.difference + 1 == int(std::size(differences));
@@ -117,13 +118,15 @@ const Action table[] = {
        e.reference.on = !e.reference.on;
        e.preferences.right_tab = "Reference";
      }},
-    {"view.pick", "View", "Pixel values", "p", "The pixel under the cursor in every layer",
+    {"view.pick", "View", "Pixel values", "p", "The pixel under the cursor in every layer and image",
      [](Editor& e) {
        if (e.viewport.cursor.x < 0 || e.picture.size.x == 0) return;
        e.picking.place = e.viewport.cursor;
        e.picking.asked = e.picking.locked = true;
        e.preferences.right_tab = "Pixel";
      }},
+    {"view.go_to_pixel", "View", "Go to pixel ...", "ctrl+g", "Picks the pixel whose numbers are typed",
+     [](Editor& e) { e.picking.show_go_to = e.picture.size.x > 0; }},
     {"view.inspect", "View", "Slice inspector", "i", "The picked pixel's samples, slices and sectors, one by one",
      [](Editor& e) {
        e.slices.on = !e.slices.on;
@@ -156,6 +159,7 @@ const Action table[] = {
     {"view.cancel", "", "Cancel", "escape", "Closes help, lets go of the pixel and of the pass that is previewed",
      [](Editor& e) {
        e.show_help = false;
+       if (std::exchange(e.picking.show_go_to, false)) return;
        e.locked_preview.reset();
        e.picking.locked = false;
      }},
@@ -164,12 +168,21 @@ const Action table[] = {
     {"clock.step", "View", "Step the clock", ".", "", [](Editor& e) { ++e.wanted.steps; }},
     {"renderer.freeze", "View", "Freeze the renderer", "ctrl+space", "The picture stays",
      [](Editor& e) { e.wanted.paused = !e.wanted.paused; }},
+    {"freeze.history", "View", "Freeze the history", "",
+     "What frames accumulate stays as it is now; new frames read it only",
+     [](Editor& e) { e.freeze.history = !e.freeze.history; }},
+    {"freeze.noise", "View", "Freeze noise and jitter", "", "Every frame takes the samples that the last one took",
+     [](Editor& e) { e.freeze.noise = !e.freeze.noise; }},
+    {"freeze.culling", "View", "Freeze the culling", "",
+     "What this camera does not see is not drawn, wherever one looks from",
+     [](Editor& e) { e.freeze.culling = !e.freeze.culling; }},
     {"renderer.restart", "View", "Restart the renderer", "", "With a new device; nothing else is lost",
      [](Editor& e) {
        e.outbox.push_back({live::CommandKind::Restart, {}, {}, {}});
      }},
     {"capture.timings", "Capture", "Capture timings", "ctrl+t",
-     "JSON, CSV and a trace of the frames in the timings panel", [](Editor& e) { e.capture_asked = true; }},
+     "JSON, CSV and a trace of as many frames as the timings panel says; once more: of what there is",
+     [](Editor& e) { e.capture_asked = true; }},
     {"capture.cli", "Capture", "Copy as command", "", "The command line that renders this picture",
      [](Editor& e) { e.copy_command = true; }},
 };
@@ -202,8 +215,11 @@ std::string picture_label(const Editor& editor) {
 bool run_shortcut(Editor& editor, int key, int mods, Focus focus) {
   const bool plain = (mods & (ui::mod_ctrl | ui::mod_alt)) == 0;
   const bool function = key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12;
-  const bool help = key == GLFW_KEY_ESCAPE && editor.show_help;  // which has a text field of its own
-  if (focus == Focus::Text && plain && !function && !help) return false;
+  const bool help =
+      key == GLFW_KEY_ESCAPE && (editor.show_help || editor.picking.show_go_to);  // each has a text field of its own
+  if ((focus == Focus::Text || focus == Focus::Flight) && plain && !function && !help) return false;
+  for (const int steers : {GLFW_KEY_W, GLFW_KEY_A, GLFW_KEY_S, GLFW_KEY_D, GLFW_KEY_Q, GLFW_KEY_E})
+    if (focus == Focus::Flight && key == steers) return false;
   // What text fields do themselves: undo, redo, select all, copy, paste, cut, words.
   for (const int own : {GLFW_KEY_Z, GLFW_KEY_Y, GLFW_KEY_A, GLFW_KEY_C, GLFW_KEY_V, GLFW_KEY_X, GLFW_KEY_LEFT,
                         GLFW_KEY_RIGHT, GLFW_KEY_BACKSPACE, GLFW_KEY_DELETE})

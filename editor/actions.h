@@ -19,8 +19,8 @@ struct Action {
 std::span<const Action> actions();
 const Action* find_action(std::string_view id);
 // What has the keyboard: a text field takes letters and what edits text, a widget that was reached with the arrow keys
-// takes Space.
-enum class Focus : uint8_t { Nothing, Widget, Text };
+// takes Space; a flight takes letters, and Ctrl with those that steer it.
+enum class Focus : uint8_t { Nothing, Widget, Text, Flight };
 // Runs the action of these keys; false when there is none, or they are the focus's own.
 bool run_shortcut(Editor& editor, int key, int mods, Focus focus);
 // The picture that is shown is A from now on.

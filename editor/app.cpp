@@ -12,6 +12,7 @@
 #include "actions.h"
 #include "captures.h"
 #include "core/log.h"
+#include "gpu/reload.h"
 #include "incoming.h"
 #include "layout.h"
 #include "live/handover.h"
@@ -106,6 +107,7 @@ class App {
   void ask();
   void serve();
   void keep_settings();
+  void reload_window(const std::vector<std::string>& changed);
   void on_input(const ui::InputEvent& event);
   void pace(double started);
   double clock() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -122,13 +124,16 @@ class App {
   std::unique_ptr<live::Worker> worker_;
   std::unique_ptr<ui::Script> script_;
   std::unique_ptr<Refiner> refiner_;
+  std::unique_ptr<LiveFlip> flip_;
   Document sent_;
   live::Wanted last_;
   std::span<const std::byte> shown_;
   std::string screenshot_, state_text_, title_;
   glm::ivec4 screenshot_part_{0};
-  double kept_at_ = 0;
-  uint64_t messages_ = 0;  // of devices that are gone
+  double kept_at_ = 0, watched_at_ = 0;
+  std::optional<gpu::ShaderWatch> watch_;  // of the window's own programs
+  bool window_broken_ = false;             // one of them
+  uint64_t messages_ = 0;                  // of devices that are gone
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   bool font_ready_ = false;
 };
@@ -156,6 +161,9 @@ void App::open() {
                                            device_->pretend_lost(gpu::Device::Loss::AtPicture);
                                          else
                                            e_.outbox.push_back({live::CommandKind::LoseDevice, {}, {}, {}});
+                                       },
+                                       [this] {
+                                         e_.outbox.push_back({live::CommandKind::DropBarrier, {}, {}, {}});
                                        },
                                        [this] { e_.quit = true; }});
   // A script's two clicks are a double click however slow the frames are.
@@ -187,6 +195,7 @@ void App::open() {
   if (!o_.preset.empty()) {
     const Preset preset = read_preset(o_.preset);  // its settings are in the document already, beneath the flags
     e_.preset_path = o_.preset;
+    e_.preset_bookmarks = preset.bookmarks;
     if (scene.empty() && preset.scene) scene = *preset.scene;
     if (const scene::View* inside = view_inside(preset); inside && !o_.view_given) lit = *inside;
   }
@@ -293,8 +302,9 @@ void App::ask() {
   if (settings || lights || seed || e_.view.moved) e_.last_change = e_.now;
   const Viewport& v = e_.viewport;
   const bool moving = e_.now - e_.last_change < 0.3;
-  const float scale =
-      moving ? std::min(e_.preferences.moving_scale, e_.preferences.render_scale) : e_.preferences.render_scale;
+  // Another size would begin another history.
+  const float scale = moving && !e_.freeze.history ? std::min(e_.preferences.moving_scale, e_.preferences.render_scale)
+                                                   : e_.preferences.render_scale;
   const glm::uvec2 size = glm::max(glm::uvec2(glm::round(glm::vec2(v.width, v.height) * scale)), 1u);
   SliceView& s = e_.slices;
   if (!s.on) s.seen.reset();
@@ -308,10 +318,19 @@ void App::ask() {
   const bool more_layers = std::any_of(layers.begin(), layers.end(), [&](const std::string& layer) {
     return std::find(w.layers.begin(), w.layers.end(), layer) == w.layers.end();
   });
+  // Halves of frames are averaged for the error's parts: their noise has to differ.
+  const bool hold_history = e_.freeze.history && !e_.reference.split_on(),
+             hold_noise = e_.freeze.noise && !e_.reference.split_on(),
+             hold_culling = e_.freeze.culling != w.culling_camera.has_value();
+  const bool frozen = hold_history != w.hold_history || hold_noise != w.hold_noise || hold_culling;
+  w.hold_history = hold_history;
+  w.hold_noise = hold_noise;
+  if (hold_culling) w.culling_camera = e_.freeze.culling ? std::optional(e_.view.camera) : std::nullopt;
+  if (frozen && !e_.timings.paused) e_.timings.clear();  // frames of another kind
   if (settings || lights || seed) ++w.history;
   if (lights) ++w.lights_revision;
   if (settings || lights || seed || e_.view.moved || size != w.size || v.layer != w.layer ||
-      (probe && probe != w.probe) || inspect != w.inspect || more_layers)
+      (probe && probe != w.probe) || inspect != w.inspect || more_layers || frozen)
     ++w.revision;
   e_.view.moved = false;
   if (w.revision != e_.shown_revision) e_.frames_since_change = e_.settled = 0;
@@ -325,7 +344,9 @@ void App::ask() {
   w.layer = v.layer;
   w.moving = moving;
   w.reduced = scale < e_.preferences.render_scale;
-  w.settle = uint32_t(e_.preferences.settle);
+  const size_t timed = e_.timings.run.frames.size(), wanted = size_t(e_.preferences.capture_frames);
+  w.settle = std::max(uint32_t(e_.preferences.settle),
+                      e_.recording && timed < wanted ? e_.settled + uint32_t(wanted - timed) : 0);
   w.probe = probe;
   w.inspect = inspect;
   w.layers = layers;
@@ -337,7 +358,10 @@ void App::ask() {
     ++w.pick_serial;
   }
   worker_->want(w);
-  for (live::Command& command : e_.outbox) worker_->send(std::move(command));
+  for (live::Command& command : e_.outbox) {
+    if (command.kind == live::CommandKind::ReloadShaders) reload_window({});
+    worker_->send(std::move(command));
+  }
   e_.outbox.clear();
 }
 
@@ -382,8 +406,10 @@ void App::open_file(const std::string& path) {
 // What the panels and actions asked for and only this can do.
 void App::serve() {
   for (const std::string& path : std::exchange(e_.dropped, {})) open_file(path);
-  if (std::exchange(e_.keep_a, false) && pictures_->copy(ui::PictureId::Scene, ui::PictureId::SlotA))
+  if (std::exchange(e_.keep_a, false) && pictures_->copy(ui::PictureId::Scene, ui::PictureId::SlotA)) {
+    if (refiner_) refiner_->keep_a(e_);
     toast(e_, "kept as A");
+  }
   if (!screenshot_.empty()) write_window(std::exchange(screenshot_, {}), e_, shown_, screenshot_part_);
   write_captures(e_, shown_, o_.validation);
   if (std::exchange(e_.fullscreen_asked, false) && window_) window_->toggle_fullscreen();
@@ -397,13 +423,30 @@ void App::keep_settings() {
   if (const std::string problem = save_settings(e_); !problem.empty()) log::warn("{}", problem);
 }
 
+// The window's own programs; the renderer sees to the scene's. What does not compile stays as it was.
+void App::reload_window(const std::vector<std::string>& changed) {
+  const gpu::Reload result = pictures_->reload(changed);
+  if (!result.errors.empty()) {
+    e_.banner = {"The window's shaders do not compile; the last good ones stay in use.", result.errors};
+    window_broken_ = true;
+    for (const gpu::ReloadError& fault : result.errors)
+      log::error("{}:{}:{}: {}", fault.file, fault.line, fault.column, fault.message);
+  } else if (result.recompiled > 0) {
+    if (std::exchange(window_broken_, false)) e_.banner = {};
+    e_.green_flash = e_.now;
+    e_.flash_text = fmt::format("{} programs of the window compiled in {:.0f} ms", result.recompiled, result.ms);
+    log::info("{}", e_.flash_text);
+  }
+}
+
 void App::on_input(const ui::InputEvent& event) {
   switch (event.kind) {
     case ui::InputKind::Key:
       run_shortcut(e_, event.code, event.mods,
-                   ImGui::GetIO().WantTextInput || ImGui::IsMouseDown(1) ? Focus::Text
-                   : ImGui::GetIO().NavVisible                           ? Focus::Widget
-                                                                         : Focus::Nothing);
+                   ImGui::GetIO().WantTextInput ? Focus::Text
+                   : ImGui::IsMouseDown(1)      ? Focus::Flight
+                   : ImGui::GetIO().NavVisible  ? Focus::Widget
+                                                : Focus::Nothing);
       break;
     case ui::InputKind::Drop:
       e_.dropped.push_back(event.text);
@@ -432,6 +475,13 @@ void App::frame() {
   take();
   if (!input_.empty()) e_.last_input = e_.now;
   input_.feed([this](const ui::InputEvent& event) { on_input(event); });
+  if (e_.now - watched_at_ > 0.2) {
+    watched_at_ = e_.now;
+    if (!watch_) watch_.emplace(gpu::find_shader_folder());
+    if (const std::vector<std::string> changed = watch_->changed(); !changed.empty()) reload_window(changed);
+  }
+  if (!flip_ && shows_flip(e_)) flip_ = std::make_unique<LiveFlip>();
+  if (flip_) update_flip(e_, *flip_);
   if (!font_ready_ || e_.rebuild_fonts) load_fonts();
   if (window_) e_.window = window_->size();
   ImGuiIO& io = ImGui::GetIO();
@@ -458,7 +508,10 @@ void App::frame() {
     if (times->size() > TimingHistory::limit) times->pop_front();
   if (e_.scene_ready) e_.undo.watch(e_.document, ImGui::IsAnyItemActive());
   serve();
-  if (e_.reference.on && !refiner_) refiner_ = std::make_unique<Refiner>();
+  if (e_.reference.on && !refiner_) {
+    refiner_ = std::make_unique<Refiner>();
+    refiner_->keep_a(e_);
+  }
   if (refiner_) refiner_->update(e_);
   ask();
   if (window_) {
@@ -471,7 +524,7 @@ void App::frame() {
 void App::pace(double started) {
   const double since_input = e_.now - e_.last_input;
   const bool busy = !worker_->idle() || !e_.toasts.empty() || e_.viewport.compare == CompareMode::Blink ||
-                    e_.slices.playing || e_.now - e_.green_flash < 2;
+                    e_.slices.playing || e_.flip.busy || e_.now - e_.green_flash < 2;
   const double period = since_input < 0.5 || script_ ? 1.0 / 60 : busy ? 1.0 / 30 : 0.25;
   const double left = period - (clock() - started);
   if (window_)
@@ -518,6 +571,7 @@ int App::run() {
   keep_settings();
   uint64_t messages = messages_ + worker_->messages();
   refiner_.reset();
+  flip_.reset();
   worker_.reset();
   window_.reset();
   pictures_.reset();
@@ -535,6 +589,14 @@ int App::run() {
 const Preview* preview_of(const Editor& editor) {
   const std::optional<Preview>& preview = editor.shown_preview ? editor.shown_preview : editor.locked_preview;
   return preview ? &*preview : nullptr;
+}
+
+std::string text_of(const Freeze& freeze) {
+  std::string text;
+  for (const auto& [on, name] :
+       {std::pair(freeze.history, "history"), std::pair(freeze.noise, "noise"), std::pair(freeze.culling, "culling")})
+    if (on) text += fmt::format("{}{}", text.empty() ? "" : ", ", name);
+  return text;
 }
 
 void toast(Editor& editor, std::string text, bool bad) {

@@ -10,6 +10,7 @@
 #include "cli/measure.h"
 #include "core/log.h"
 #include "image/image.h"
+#include "look.h"
 #include "settings.h"
 #include "state.h"
 
@@ -59,6 +60,7 @@ void write_sidecar(const Editor& e, const fs::path& path, Preset preset, json mo
   more["file"] = path.filename().string();
   more["date"] = capture::utc_date();
   more["frame"] = e.scene_frames;
+  if (e.freeze.any()) more["frozen"] = text_of(e.freeze);
   more["app"] = {{"version", build.version}, {"git", build.git}, {"build", build.type}, {"compiler", build.compiler}};
   if (const auto device = e.device_context.find("device"); device != e.device_context.end()) more["device"] = *device;
   preset.made = std::move(more);
@@ -71,14 +73,19 @@ image::Image8 opaque(glm::uvec2 size, std::span<const uint8_t> rgba) {
   return out;
 }
 
-// Passes in the order they run: one that came later was added behind the others.
-capture::Run in_order(const TimingHistory& history) {
+// The last frames, and the passes that they have in the order they run: one that came later was added behind the
+// others.
+capture::Run last_frames(const TimingHistory& history, size_t most) {
   capture::Run run = history.run;
+  if (run.frames.size() > most) run.frames.erase(run.frames.begin(), run.frames.end() - long(most));
   std::vector<uint32_t> moved_to(run.passes.size(), 0);
+  std::set<uint32_t> seen;
+  for (const capture::FrameSample& frame : run.frames)
+    for (const capture::PassSample& pass : frame.passes) seen.insert(pass.pass);
   run.passes.clear();
   for (const TimingHistory::Row& row : history.rows)
     for (uint32_t p = 0; p < history.run.passes.size(); ++p)
-      if (history.run.passes[p].path == row.name) {
+      if (seen.count(p) && history.run.passes[p].path == row.name) {
         moved_to[p] = uint32_t(run.passes.size());
         run.passes.push_back(history.run.passes[p]);
       }
@@ -92,7 +99,7 @@ void capture_timings(Editor& e, bool validation) {
   if (t.run.frames.empty()) return toast(e, "no frame was timed yet", true);
   const std::string folder = new_file("timing", "");
   fs::create_directories(folder);
-  capture::Run run = in_order(t);
+  capture::Run run = last_frames(t, size_t(e.preferences.capture_frames));
   passes::FrameSettings settings = t.made_with.settings;
   run.name = run.technique = settings.technique->id;
   passes::FrameView view;
@@ -133,7 +140,23 @@ void capture_timings(Editor& e, bool validation) {
   for (capture::FrameSample& sample : shifted.frames) sample.submit_ns -= first, sample.gpu_begin_ns = sample.submit_ns;
   write_atomically(fs::path(folder) / "trace.json",
                    capture::trace_document({&shifted}, {{"device", e.device}}, false).dump() + "\n");
+  e.captured = fs::absolute(folder).string();
   toast(e, "written: " + folder);
+}
+
+// The renderer goes on until there are as many frames as are wanted. Asked once more, or where no frame will come, what
+// there is has to do.
+void record_timings(Editor& e, bool validation) {
+  const bool asked = std::exchange(e.capture_asked, false),
+             still = e.timings.paused || e.wanted.paused || e.device_lost;
+  if (!asked && !e.recording) return;
+  const bool enough = e.timings.run.frames.size() >= size_t(e.preferences.capture_frames);
+  if (!enough && !still && !(asked && e.recording)) {
+    e.recording = true;
+    return;
+  }
+  e.recording = false;
+  capture_timings(e, validation);
 }
 
 }  // namespace
@@ -186,7 +209,7 @@ void write_captures(Editor& e, std::span<const std::byte> window_texels, bool va
       write_atomically(path, text);
       toast(e, "written: " + path);
     }
-    if (std::exchange(e.capture_asked, false)) capture_timings(e, validation);
+    record_timings(e, validation);
     if (std::exchange(e.slices.save_asked, false) && e.slices.seen) {
       json document = to_json(*e.slices.seen);
       document["params"] = params::to_json(e.document.settings.blocks());
@@ -194,12 +217,8 @@ void write_captures(Editor& e, std::span<const std::byte> window_texels, bool va
       write_atomically(path, document.dump(1) + "\n");
       toast(e, "written: " + path);
     }
-    if (std::exchange(e.save_layers, false)) {
-      if (e.wanted.paused)
-        toast(e, "layers come with a new frame, and the renderer is frozen: Ctrl+Space first", true);
-      else
-        e.outbox.push_back({live::CommandKind::SaveLayers, new_file("layers", ".exr"), {}, {}});
-    }
+    if (std::exchange(e.save_layers, false))
+      e.outbox.push_back({live::CommandKind::SaveLayers, new_file("layers", ".exr"), {}, {}});
     if (!e.save_texture.empty()) {
       const std::string ending = std::exchange(e.save_texture, {});
       const live::Pixels& p = e.texture.pixels;

@@ -1,5 +1,5 @@
-// What the user makes: everything that undo brings back. A preset keeps it too, but for the bookmarks, which stand in
-// the settings, by scene. A plain value; the window edits it in place.
+// What the user makes: everything that undo brings back, and a preset keeps; the bookmarks stand in the settings, too,
+// by scene. A plain value; the window edits it in place.
 #pragma once
 
 #include <array>
@@ -8,13 +8,14 @@
 #include <string>
 
 #include "live/wanted.h"
+#include "preset.h"
 
 namespace nf::editor {
 
 struct Document {
   passes::FrameSettings settings;
   live::SceneLights lights;
-  std::array<std::optional<scene::Camera>, 9> bookmarks;
+  Bookmarks bookmarks;
   uint32_t seed = 1;
 };
 

@@ -12,6 +12,7 @@
 #include "capture/timing.h"
 #include "document.h"
 #include "live/published.h"
+#include "live_flip.h"
 #include "live_reference.h"
 #include "live_split.h"
 #include "preset.h"
@@ -60,16 +61,27 @@ enum class CompareMode : uint8_t { Off, Wipe, Blink, Difference };
 struct DifferenceLook {
   const char* name;
   float white;
-  bool relative;
+  bool relative, flip;
 };
-inline constexpr DifferenceLook differences[] = {
-    {"x 1", 1, false}, {"x 10", 0.1f, false}, {"x 100", 0.01f, false}, {"relative", 1, true}};
+inline constexpr DifferenceLook differences[] = {{"x 1", 1, false, false},
+                                                 {"x 10", 0.1f, false, false},
+                                                 {"x 100", 0.01f, false, false},
+                                                 {"relative", 1, true, false},
+                                                 {"FLIP", 1, false, true}};
+// The same as FLIP sees it, made in the background.
+struct FlipView {
+  bool has = false, current = false;  // current: of the pictures as they are now
+  bool busy = false;
+  LiveFlip::Result result;  // without its colours, which are PictureId::Flip
+  std::string note;         // why there is none
+  double started = -10;     // as Editor::now
+  uint64_t asked_test = 0, asked_reference = 0;
+};
 struct DifferenceNumbers {
   double at = -1;  // when they were taken, as Editor::now
   int look = 0;
   ui::PictureId against = ui::PictureId::SlotA;
-  float mean = 0, p95 = 0, most = 0;
-  bool any = false;  // of pictures of one size and kind
+  capture::Statistics of;  // pixels; none of pictures of other sizes or kinds
 };
 
 // The picture in the middle: what it shows, and how.
@@ -112,6 +124,8 @@ struct TextureView {
   live::ProbeWanted of;  // what they are, while frozen
   live::MadeWith made_with;
   std::string error;
+  float zoom = 1;          // 1: all of it
+  glm::vec2 centre{0.5f};  // of what is seen, in shares of the picture
 };
 
 // The path tracer in the background, and how far the picture is from it.
@@ -122,6 +136,10 @@ struct ReferenceView {
   LiveReference::Picture picture;
   LiveError error;
   bool has_error = false;
+  uint64_t error_revision = 0;  // of the frame that it is of
+  LiveError error_a;            // of the picture that was kept as A
+  bool has_error_a = false;
+  std::string a_missing;  // why A has none
   std::string note;
   struct Point {
     float spp, rmse, floor;
@@ -147,17 +165,29 @@ struct Preferences {
   bool scale_chosen = false;  // by the user; else software devices get half
   float moving_scale = 0.34f;
   int settle = 64;
+  int capture_frames = 60;
   bool hints = true, hide_ui = false;
   float left = 0.24f, right = 0.26f, bottom = 0.3f;  // shares of the window
   std::string bottom_tab, right_tab;
   std::map<std::string, Floating> floating;  // by the panel's name
 };
 
+// Parts of the renderer that stand still, each by itself. Kept with nothing: a new scene and a new start are without.
+struct Freeze {
+  bool history = false, noise = false, culling = false;
+  bool any() const { return history || noise || culling; }
+};
+// "history, culling"
+std::string text_of(const Freeze& freeze);
+
 struct Picking {
   bool asked = false, locked = false;
   glm::vec2 place{0.5f};         // 0..1 in the picture, whose size changes while something moves
   glm::uvec2 pixel{0}, size{1};  // as it was read
   live::Picked values;
+  std::string search;
+  bool show_go_to = false;
+  std::string go_to_text, go_to_fault;
 };
 
 struct Editor {
@@ -178,7 +208,9 @@ struct Editor {
     ui::PictureLook look;
   } fetched;
   ReferenceView reference;
+  FlipView flip;
   Preferences preferences;
+  Freeze freeze;
 
   // From the renderer.
   live::SceneInfo scene;
@@ -212,15 +244,18 @@ struct Editor {
   std::string search, log_search, action_search, preset_path, prompt;
   int log_level = 0;  // row of what the log panel's box offers
   bool changed_only = false, show_help = false, show_save = false, show_open = false, quit = false;
-  bool keep_a = false;                   // keep the picture for comparison
-  std::optional<Preset> pending_preset;  // for the scene that is being loaded
-  std::vector<std::string> dropped;      // files to open, whatever they are
+  bool keep_a = false;                        // keep the picture for comparison
+  std::optional<Preset> pending_preset;       // for the scene that is being loaded
+  std::optional<Bookmarks> preset_bookmarks;  // of the preset that the window was opened with
+  std::vector<std::string> dropped;           // files to open, whatever they are
   std::string preset_folder, bundled_scene;
   std::string save_preset, save_texture;  // a path; an ending
   bool save_curve = false;
   bool texture_visible = false, pixel_visible = false;  // these panels, in this frame
   std::string carried;                                  // the panel that was pulled out and is not let go of yet
   std::optional<live::ProbeWanted> texture_asked;
+  bool recording = false;  // frames for a capture
+  std::string captured;    // the folder of the last one, until it was read
   bool capture_asked = false, save_layers = false, copy_command = false, fullscreen_asked = false;
   uint64_t picture_hash = 0, hashed_frame = 0;  // made when a script or a state file wants it
   bool rebuild_fonts = false, screenshot_viewport = false, screenshot_window = false;

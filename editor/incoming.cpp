@@ -14,6 +14,7 @@ void show_scene(Editor& e, live::SceneInfo&& scene) {
   e.scene_ready = true;
   e.document.lights = e.scene.lights;
   e.document.bookmarks = load_bookmarks(e.scene.path);
+  if (e.preset_bookmarks) e.document.bookmarks = *std::exchange(e.preset_bookmarks, std::nullopt);
   if (e.pending_preset) {
     try {
       apply_preset(*e.pending_preset, e.document);
@@ -25,6 +26,7 @@ void show_scene(Editor& e, live::SceneInfo&& scene) {
   go_to(e, e.scene.start);
   e.undo.start(e.document);
   e.picking = {};
+  e.freeze = {};
   e.wanted.scene = e.scene.serial;
   ++e.wanted.lights_revision;
   ++e.wanted.history;
@@ -135,7 +137,8 @@ void take_frame(Editor& e, live::Published&& frame) {
   else if (!e.picture.rgba.empty())
     e.pictures->set_picture(ui::PictureId::Scene, e.picture.size, std::span<const uint8_t>(e.picture.rgba));
   else
-    e.pictures->set_picture(ui::PictureId::Scene, e.picture.size, std::span<const float>(e.picture.floats));
+    e.pictures->set_picture(ui::PictureId::Scene, e.picture.size, std::span<const float>(e.picture.floats),
+                            e.picture.channels);
 }
 
 }  // namespace nf::editor

@@ -232,6 +232,37 @@ void draw_hints(Editor& editor) {
   ImGui::End();
 }
 
+// What a capture has so far, and where it lies, until somebody has read it.
+void draw_captured(Editor& editor) {
+  if (!editor.recording && editor.captured.empty()) return;
+  const Viewport& v = editor.viewport;
+  const float line = ImGui::GetFontSize();
+  ImGui::SetNextWindowPos(ImVec2(v.x + line, v.y + line), ImGuiCond_Always);
+  ImGui::SetNextWindowBgAlpha(0.9f);
+  ImGui::Begin("captured", nullptr,
+               (fixed & ~ImGuiWindowFlags_NoBringToFrontOnFocus) | ImGuiWindowFlags_AlwaysAutoResize);
+  if (editor.recording) {
+    const std::string text =
+        fmt::format("recording: {} of {} frames", editor.timings.run.frames.size(), editor.preferences.capture_frames);
+    ImGui::TextUnformatted(text.c_str());
+    ui::note("captured.recording", text);
+    ImGui::SameLine();
+    if (ui::button("captured.stop", "Stop and write")) editor.capture_asked = true;
+  } else {
+    ImGui::PushTextWrapPos(std::max(v.width - 4 * line, 8 * line));
+    ImGui::Text("timings written to %s", editor.captured.c_str());
+    ImGui::PopTextWrapPos();
+    ui::note("captured.folder", editor.captured);
+    if (ui::button("captured.copy", "Copy path")) {
+      ImGui::SetClipboardText(editor.captured.c_str());
+      toast(editor, "copied: " + editor.captured);
+    }
+    ImGui::SameLine();
+    if (ui::button("captured.close", "Close")) editor.captured.clear();
+  }
+  ImGui::End();
+}
+
 }  // namespace
 
 void draw_layout(Editor& editor) {
@@ -245,6 +276,7 @@ void draw_layout(Editor& editor) {
     ImGui::End();
     draw_help(editor);
     draw_dialogs(editor);
+    draw_go_to_pixel(editor);
     draw_toasts(editor);
     return;
   }
@@ -288,8 +320,10 @@ void draw_layout(Editor& editor) {
   for (const Tab& tab : bottom_tabs) draw_floating(editor, tab);
   draw_status(editor, height - status, status);
   draw_hints(editor);
+  draw_captured(editor);
   draw_help(editor);
   draw_dialogs(editor);
+  draw_go_to_pixel(editor);
   draw_toasts(editor);
 }
 

@@ -10,6 +10,23 @@ namespace nf::editor {
 
 using nlohmann::json;
 
+namespace {
+
+// {"1": camera, "9": camera}, a camera being written as in a view file.
+Bookmarks read_bookmarks(const json& value, const std::string& file) {
+  if (!value.is_object())
+    fail(Exit::Input, "bad preset '{}': 'bookmarks' must be an object of cameras by their number", file);
+  Bookmarks out;
+  for (const auto& [key, camera] : value.items()) {
+    if (key.size() != 1 || key[0] < '1' || key[0] > '9')
+      fail(Exit::Input, "bad preset '{}': unknown key 'bookmarks.{}'; there are 1 to 9", file, key);
+    out[size_t(key[0] - '1')] = scene::parse_camera(camera, file, "bookmarks." + key);
+  }
+  return out;
+}
+
+}  // namespace
+
 Preset read_preset(const std::filesystem::path& path) {
   const std::string file = path.string();
   json document;
@@ -50,14 +67,17 @@ Preset read_preset(const std::filesystem::path& path) {
       preset.seed = value.get<uint32_t>();
     } else if (key == "params") {
       preset.params = value;
+    } else if (key == "bookmarks") {
+      preset.bookmarks = read_bookmarks(value, file);
     } else if (key == "made") {
       if (!value.is_object()) fail(Exit::Input, "bad preset '{}': 'made' must be an object", file);
       preset.made = value;
     } else {
-      fail(
-          Exit::Input,
-          "bad preset '{}': unknown key '{}'; there are schema, scene, technique, mode, view, size, seed, params, made",
-          file, key);
+      fail(Exit::Input,
+           "bad preset '{}': unknown key '{}'; there are schema, scene, technique, mode, view, size, seed, params, "
+           "bookmarks, "
+           "made",
+           file, key);
     }
   }
   return preset;
@@ -80,6 +100,12 @@ void write_preset(const std::filesystem::path& path, const Preset& preset) {
       document["view"] = scene::to_json(std::get<scene::View>(*preset.view), path.parent_path());
   }
   if (!preset.params.empty()) document["params"] = preset.params;
+  if (preset.bookmarks) {
+    document["bookmarks"] = json::object();
+    for (size_t i = 0; i < preset.bookmarks->size(); ++i)
+      if (const auto& camera = (*preset.bookmarks)[i])
+        document["bookmarks"][std::to_string(i + 1)] = scene::to_json(*camera);
+  }
   if (!preset.made.is_null()) document["made"] = preset.made;
   const std::string text = document.dump(1) + "\n";
   image::write_file(path, text);

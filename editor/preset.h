@@ -2,6 +2,7 @@
 // keys may be left out.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,6 +13,9 @@
 
 namespace nf::editor {
 
+// Cameras to go back to; the first is called 1.
+using Bookmarks = std::array<std::optional<scene::Camera>, 9>;
+
 struct Preset {
   std::optional<std::string> scene;  // path; commands take theirs from the command line
   std::optional<std::string> technique, mode, size;
@@ -19,6 +23,7 @@ struct Preset {
   // As --view has it; or the view itself, as in a view file.
   std::optional<std::variant<std::string, scene::View>> view;
   nlohmann::json params = nlohmann::json::object();  // {"gi.radius": 2}, as params::from_json takes it
+  std::optional<Bookmarks> bookmarks;                // the editor's; commands have no use for them
   nlohmann::json made;  // beside a picture: an object that says what made it; nobody reads it back
 };
 

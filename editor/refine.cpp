@@ -72,7 +72,7 @@ void Refiner::take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene) {
   scene_ = asked_scene_;
   editor.reference.curve.clear();
   editor.reference.picture = {};
-  editor.reference.has_error = false;
+  editor.reference.has_error = editor.reference.has_error_a = false;
   tracer_.start(std::move(*scene), std::move(settings));
   running_ = true;
 }
@@ -94,7 +94,7 @@ void Refiner::update(Editor& editor) {
   update_split(editor);
   if (editor.wanted.playing) {
     r.note = "The clock runs: the picture as it was when it was stopped last.";
-    r.has_error = false;
+    r.has_error = r.has_error_a = false;
   } else if (!editor.wanted.moving && !asked_) {
     const std::string scene = scene_key(editor);
     const bool other =
@@ -108,7 +108,7 @@ void Refiner::update(Editor& editor) {
       size_ = editor.wanted.size;
       r.curve.clear();
       r.picture = {};
-      r.has_error = false;
+      r.has_error = r.has_error_a = false;
       tracer_.look(camera_, size_);
     }
   }
@@ -139,13 +139,40 @@ void Refiner::show(Editor& editor) {
     std::vector<float> floats(count * 4, 0);
     for (size_t i = 0; i < count; ++i)
       for (uint32_t c = 0; c < std::min(mean.channels, 4u); ++c) floats[i * 4 + c] = mean.pixels[i * mean.channels + c];
-    editor.pictures->set_picture(ui::PictureId::Reference, size, std::span<const float>(floats));
+    editor.pictures->set_picture(ui::PictureId::Reference, size, std::span<const float>(floats), mean.channels);
   }
+  judge_a(editor);
   if (compared_.width != size.x || compared_.height != size.y || compared_name_ != r.layer) return;
   r.error = error_against(compared_, r.picture, r.layer, {}, false);
   r.has_error = true;
+  r.error_revision = compared_revision_;
   if (r.curve.empty() || r.curve.back().spp < float(r.picture.spp))
     r.curve.push_back({float(r.picture.spp), float(r.error.rmse), float(layer->noise)});
+}
+
+void Refiner::keep_a(Editor& editor) {
+  kept_ = {};
+  // The layer is of the frame that is shown, or of none.
+  if (compared_frame_ == editor.scene_frames && compared_name_ == editor.viewport.layer)
+    kept_ = {compared_, compared_name_, scene_key(editor), editor.shown_with.camera};
+  judge_a(editor);
+}
+
+// The error of A against the reference as it is now: of the same view and layer, or there is none.
+void Refiner::judge_a(Editor& editor) {
+  ReferenceView& r = editor.reference;
+  r.has_error_a = false;
+  const LiveReference::Layer* layer = r.picture.layer(r.layer);
+  r.a_missing = kept_.image.pixels.empty()     ? "A was kept without a reference; K keeps it anew"
+                : kept_.layer != r.layer       ? "A is another layer"
+                : kept_.scene != scene_        ? "A is of another scene, light or time"
+                : !same(kept_.camera, camera_) ? "A is of another view"
+                : layer && (kept_.image.width != layer->mean.width || kept_.image.height != layer->mean.height)
+                    ? "A is of another size"
+                    : "";
+  if (!r.a_missing.empty() || !layer) return;
+  r.error_a = error_against(kept_.image, r.picture, r.layer, {}, false);
+  r.has_error_a = true;
 }
 
 }  // namespace nf::editor

@@ -24,10 +24,13 @@ class Refiner {
   void take_scene(Editor& editor, std::unique_ptr<scene::Scene> scene);
   // What came of `wanted_layers` with a frame; moved out.
   void take_layers(Editor& editor, live::Published& frame);
+  // The picture that is shown became A: what the error is taken of is kept with it.
+  void keep_a(Editor& editor);
 
  private:
   void show(Editor& editor);
   void compare(Editor& editor, image::Layer&& layer);
+  void judge_a(Editor& editor);
   void update_split(Editor& editor);
   void show_split(Editor& editor);
   LiveReference tracer_;
@@ -39,6 +42,13 @@ class Refiner {
   std::string settings_;  // what of the settings the tracer heeds, as text
   image::Image compared_;
   std::string compared_name_;
+  uint64_t compared_frame_ = 0, compared_revision_ = 0;  // that it is of
+  // What A is, as `compared_`.
+  struct {
+    image::Image image;
+    std::string layer, scene;
+    scene::Camera camera;
+  } kept_;
   // The error's parts.
   LiveSplit split_;
   bool splitting_ = false;  // or waiting for a frame to begin with

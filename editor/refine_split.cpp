@@ -99,6 +99,8 @@ void Refiner::take_layers(Editor& editor, live::Published& frame) {
     }
     if (view == split_view_) split_.add(test->image, wanted.history);
   }
+  compared_frame_ = frame.number;
+  compared_revision_ = frame.revision;
   for (image::Layer& layer : frame.layers)
     if (layer.name == r.layer) compare(editor, std::move(layer));
 }

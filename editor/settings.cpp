@@ -38,7 +38,7 @@ std::string scene_key(const std::string& path) {
   return error ? path : whole.string();
 }
 
-json to_json(const std::array<std::optional<scene::Camera>, 9>& bookmarks) {
+json to_json(const Bookmarks& bookmarks) {
   json out = json::object();
   for (size_t i = 0; i < bookmarks.size(); ++i)
     if (const auto& c = bookmarks[i])
@@ -82,6 +82,7 @@ std::string load_settings(Editor& editor, bool reset) {
     for (const auto& [name, place] : floating.items())
       p.floating[name] = {place.at(0), place.at(1), place.at(2), place.at(3)};
     p.settle = std::clamp(values.value("settle", p.settle), 1, 1024);
+    p.capture_frames = std::clamp(values.value("capture_frames", p.capture_frames), 1, int(TimingHistory::limit));
     kept_bookmarks = settings.value("bookmarks", json::object());
     editor.preferences = p;
     return {};
@@ -101,6 +102,7 @@ std::string save_settings(const Editor& editor) {
   values["scale_chosen"] = p.scale_chosen;
   values["hints"] = p.hints;
   values["settle"] = p.settle;
+  values["capture_frames"] = p.capture_frames;
   values["floating"] = json::object();
   for (const auto& [name, place] : p.floating) values["floating"][name] = {place.x, place.y, place.width, place.height};
   if (editor.scene_ready) kept_bookmarks[scene_key(editor.scene.path)] = to_json(editor.document.bookmarks);
@@ -118,8 +120,8 @@ std::string save_settings(const Editor& editor) {
   return {};
 }
 
-std::array<std::optional<scene::Camera>, 9> load_bookmarks(const std::string& scene) {
-  std::array<std::optional<scene::Camera>, 9> out;
+Bookmarks load_bookmarks(const std::string& scene) {
+  Bookmarks out;
   try {
     const json kept = kept_bookmarks.value(scene_key(scene), json::object());
     for (const auto& [key, c] : kept.items()) {
@@ -146,6 +148,7 @@ void apply_preset(const Preset& preset, Document& document) {
   params::from_json(settings.blocks(), preset.params);
   document.settings = settings;
   if (preset.seed) document.seed = *preset.seed;
+  if (preset.bookmarks) document.bookmarks = *preset.bookmarks;
 }
 
 std::string view_name(const Preset& preset) {
@@ -184,53 +187,14 @@ Preset make_preset(Editor& editor) {
   }
   preset.view = view;
   preset.params = params::to_json(d.settings.blocks());
+  if (std::any_of(d.bookmarks.begin(), d.bookmarks.end(), [](const auto& b) { return b.has_value(); }))
+    preset.bookmarks = d.bookmarks;
   return preset;
 }
 
 std::string command_for(const Editor& editor, const fs::path& preset) {
   return fmt::format("nearfield render '{}' --preset '{}' -o picture.png --frames {}", editor.scene.path,
                      preset.string(), editor.wanted.settle);
-}
-
-std::array<float, 3> shown_color(const float* value, const ui::PictureLook& look) {
-  for (int c = 0; c < 4; ++c)
-    if (!std::isfinite(value[c])) return {1, 0, 1};
-  const uint32_t show = uint32_t(look.show);
-  const bool one = show >= 1 && show <= 4;
-  const float number = value[one ? show - 1 : 0];
-  if (look.mark_outside && number < look.low) return {0, 0.2f, 1};
-  if (look.mark_outside && number > look.high) return {1, 0.1f, 0};
-  std::array<float, 3> x;
-  for (uint32_t c = 0; c < 3; ++c)
-    x[c] = std::clamp((value[one ? show - 1 : c] - look.low) / std::max(look.high - look.low, 1e-20f), 0.0f, 1.0f);
-  if (look.show == ui::Show::FalseColor) {
-    const float v = x[0];
-    return {1.9f * v, 2.2f * v * v - 0.45f * v,
-            v < 0.35f ? 2.2f * v : 0.77f - 1.7f * (v - 0.35f) + 6 * std::max(v - 0.75f, 0.0f)};
-  }
-  if (look.srgb)
-    for (float& c : x) c = image::srgb_from_linear(c);
-  return x;
-}
-
-void save_pixels(const std::string& path, const live::Pixels& pixels, const ui::PictureLook& look) {
-  const size_t count = size_t(pixels.size.x) * pixels.size.y;
-  if (fs::path(path).extension() == ".exr") {
-    const uint32_t channels = std::min(pixels.channels, 4u);
-    image::Layer layer{.name = "",
-                       .channels = std::string("RGBA").substr(0, channels),
-                       .image = {pixels.size.x, pixels.size.y, channels, {}}};
-    if (channels == 1) layer.channels = "V";
-    for (size_t i = 0; i < count; ++i)
-      for (uint32_t c = 0; c < channels; ++c) layer.image.pixels.push_back(pixels.floats[i * 4 + c]);
-    image::write_exr(path, {&layer, 1}, {{"nearfield.resource", pixels.name}}, image::Precision::Float);
-    return;
-  }
-  image::Image8 out{pixels.size.x, pixels.size.y, 3, {}};
-  for (size_t i = 0; i < count; ++i)
-    for (const float x : shown_color(&pixels.floats[i * 4], look))
-      out.pixels.push_back(uint8_t(std::lround(std::clamp(x, 0.0f, 1.0f) * 255)));
-  image::write_png(path, out);
 }
 
 }  // namespace nf::editor

@@ -1,4 +1,4 @@
-// What outlives the window: the user's settings and bookmarks, presets of what is shown, and pictures.
+// What outlives the window: the user's settings and bookmarks, and presets of what is shown.
 #pragma once
 
 #include "editor.h"
@@ -11,7 +11,7 @@ namespace nf::editor {
 std::string load_settings(Editor& editor, bool reset);
 // Written only when it changed. What went wrong comes back.
 std::string save_settings(const Editor& editor);
-std::array<std::optional<scene::Camera>, 9> load_bookmarks(const std::string& scene);
+Bookmarks load_bookmarks(const std::string& scene);
 
 // Technique, mode, parameters and seed; parameters that the preset does not name get their defaults. Throws nf::Error,
 // and then nothing has changed.
@@ -23,10 +23,5 @@ void use_lights(const scene::View& view, live::SceneLights& lights);
 Preset make_preset(Editor& editor);
 // The command line that renders this picture, of a preset of it.
 std::string command_for(const Editor& editor, const std::filesystem::path& preset);
-
-// What the window shows for a texel of four floats: see shaders/ui_picture.frag. 0 to 1 and a little beyond.
-std::array<float, 3> shown_color(const float* value, const ui::PictureLook& look);
-// .png as `look` shows it, .exr as it is.
-void save_pixels(const std::string& path, const live::Pixels& pixels, const ui::PictureLook& look);
 
 }  // namespace nf::editor

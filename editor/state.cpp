@@ -89,6 +89,7 @@ json make_state(Editor& e, bool idle) {
           {"playing", e.wanted.playing},
           {"steps", e.wanted.steps},
           {"paused", e.wanted.paused},
+          {"frozen", text_of(e.freeze)},
           {"scene_time", e.scene_time},
           {"widgets", widgets}};
 }

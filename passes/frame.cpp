@@ -120,7 +120,7 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
   FrameView view = asked;
   if (taa) {
     view.jitter = halton_jitter(view.frame_index);
-    view.previous_jitter = halton_jitter(view.frame_index - 1);
+    view.previous_jitter = halton_jitter(view.previous_frame_index.value_or(view.frame_index - 1));
   }
   // Noise that changes from frame to frame only flickers where nothing averages it.
   const bool averaged = view.averaged || temporal || taa;
@@ -133,8 +133,13 @@ FrameOutputs Renderer::build(graph::Graph& graph, const FrameView& asked, const 
   const FrameBlock frame = make_frame_block(view, scene_, settings.material);
   graph.share(frame);
   const Blending blending = Blending(settings.material.blend);
-  tables_->build_draws(camera_draws_, scene::frustum_from_clip(frame.jittered_clip_from_world), view.camera.position,
-                       blending);
+  glm::mat4 culled_with = frame.jittered_clip_from_world;
+  if (view.culling_camera) {
+    FrameView from = view;
+    from.camera = *view.culling_camera;
+    culled_with = make_frame_block(from, scene_, settings.material).jittered_clip_from_world;
+  }
+  tables_->build_draws(camera_draws_, scene::frustum_from_clip(culled_with), view.camera.position, blending);
   const ShadowPlan shadows = plan_shadows(view.camera, view.size, scene_, settings.shadow, blending);
   lights_->update(scene_, view.camera, view.size, view.jitter, shadows, settings.lights);
 

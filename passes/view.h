@@ -37,11 +37,15 @@ struct FrameView {
   scene::Camera camera, previous_camera;
   glm::uvec2 size{1};
   uint32_t frame_index = 0, seed = 1;
+  // Of the frame whose histories are read, where it is not the one before.
+  std::optional<uint32_t> previous_frame_index = {};
   glm::vec2 jitter{0}, previous_jitter{0};  // pixels
   // Whether someone averages the frames: else sampling noise is the same in each, unless reconstruction averages them.
   bool averaged = true;
   // Whose samples the technique shall tell, one by one (FrameOutputs::inspection).
   std::optional<glm::uvec2> inspect;
+  // What stands outside this camera's view is not drawn, though `camera` may see where it would be.
+  std::optional<scene::Camera> culling_camera = {};
 };
 
 // A constant environment's radiance comes from the scene.

@@ -4,8 +4,9 @@
 #version 460
 #include "common/color.glsl"
 
-const uint SHOW_RGB = 0u, SHOW_FALSE_COLOR = 5u;  // 1 to 4: one channel as grey
-const uint FLAG_NEAREST = 1u, FLAG_SRGB = 2u, FLAG_MARK_OUTSIDE = 4u, FLAG_RELATIVE = 8u;
+const uint SHOW_BYTES = 0u;  // differences
+const uint MAP_VIRIDIS = 1u, MAP_DIVERGING = 2u, MAP_FALSE_COLOR = 3u;
+const uint FLAG_NEAREST = 1u, FLAG_SRGB = 2u, FLAG_MARK_OUTSIDE = 4u, FLAG_RELATIVE = 8u, FLAG_LOGARITHMIC = 16u;
 
 struct UiDraw {
   uint kind, first, second;  // words of `texels` where the picture begins, and the one it is compared with
@@ -38,7 +39,7 @@ vec4 texel(UiDraw d, bool other, ivec2 p) {
 #if KIND == 1
   return unpackUnorm4x8(texels.words[first + at]);
 #elif KIND == 3
-  if (d.show == SHOW_RGB) return unpackUnorm4x8(texels.words[first + at]);
+  if (d.show == SHOW_BYTES) return unpackUnorm4x8(texels.words[first + at]);
 #endif
   at = first + at * 4u;
   return uintBitsToFloat(uvec4(texels.words[at], texels.words[at + 1u], texels.words[at + 2u], texels.words[at + 3u]));
@@ -67,6 +68,31 @@ vec3 false_color(float x) {
   return clamp(vec3(1.9 * x, 2.2 * x * x - 0.45 * x, x < 0.35 ? 2.2 * x : 0.77 - 1.7 * (x - 0.35) + 6.0 * max(x - 0.75, 0.0)), 0.0, 1.0);
 }
 
+// A polynomial through matplotlib's viridis (M. Zucker).
+vec3 viridis(float t) {
+  t = clamp(t, 0.0, 1.0);
+  return vec3(0.277727, 0.005407, 0.334100) +
+         t * (vec3(0.105093, 1.404614, 1.384590) +
+              t * (vec3(-0.330862, 0.214848, 0.095095) +
+                   t * (vec3(-4.634230, -5.799101, -19.332441) +
+                        t * (vec3(6.228270, 14.179933, 56.690553) +
+                             t * (vec3(4.776385, -13.745145, -65.353033) + t * vec3(-5.435456, 4.645853, 26.312435))))));
+}
+
+// Blue, grey, red: the ends and the middle of Moreland 2009, "Diverging color maps for scientific visualization".
+vec3 diverging(float t) {
+  t = clamp(t, 0.0, 1.0);
+  const vec3 middle = vec3(0.865);
+  return t < 0.5 ? mix(vec3(0.230, 0.299, 0.754), middle, 2.0 * t) : mix(middle, vec3(0.706, 0.016, 0.150), 2.0 * t - 1.0);
+}
+
+// 0 to 1 within the range. Logarithms begin a millionth below its end where it begins at nothing or less.
+vec4 in_range(UiDraw d, vec4 value) {
+  if ((d.flags & FLAG_LOGARITHMIC) == 0u) return (value - d.low) / max(d.high - d.low, 1e-20);
+  float base = max(max(d.low, 1e-6 * d.high), 1e-30);
+  return log2(max(value, vec4(base)) / base) / max(log2(max(d.high, base) / base), 1e-20);
+}
+
 void main() {
   UiDraw d = draws.rows[draw];
 #if KIND == 1
@@ -78,17 +104,30 @@ void main() {
   pictures = vec4(false_color((max(apart.r, max(apart.g, apart.b)) - d.low) / max(d.high - d.low, 1e-20)), 1.0);
 #else
   vec4 value = lookup(d, false);
-  vec4 x = (value - d.low) / max(d.high - d.low, 1e-20);
-  if (d.show >= 1u && d.show <= 4u) x.rgb = vec3(x[d.show - 1u]);
-  if (d.show == SHOW_FALSE_COLOR) {
+  vec4 x = in_range(d, value);
+  uint channels = d.show & 15u, map = d.show >> 4;
+  bool one = map != 0u || bitCount(channels) == 1;
+  int first = channels == 0u ? 0 : findLSB(channels);
+  bvec4 on = notEqual(uvec4(channels) & uvec4(1u, 2u, 4u, 8u), uvec4(0u));
+  if (one) {
+    x.rgb = vec3(x[first]);
+    on = equal(uvec4(0u, 1u, 2u, 3u), uvec4(first));
+  } else {
+    x.rgb *= vec3(on.rgb) * (on.a ? clamp(value.a, 0.0, 1.0) : 1.0);
+    on.a = false;
+  }
+  if (map == MAP_VIRIDIS) {
+    x.rgb = viridis(x.r);
+  } else if (map == MAP_DIVERGING) {
+    x.rgb = diverging(x.r);
+  } else if (map == MAP_FALSE_COLOR) {
     x.rgb = false_color(x.r);
   } else if ((d.flags & FLAG_SRGB) != 0u) {
     x.rgb = srgb_encode(x.rgb);
   }
   if ((d.flags & FLAG_MARK_OUTSIDE) != 0u) {
-    float v = value[d.show >= 1u && d.show <= 4u ? d.show - 1u : 0u];
-    if (v < d.low) x.rgb = vec3(0.0, 0.2, 1.0);
-    if (v > d.high) x.rgb = vec3(1.0, 0.1, 0.0);
+    if (any(equal(uvec4(on) * uvec4(greaterThan(value, vec4(d.high))), uvec4(1u)))) x.rgb = vec3(1.0, 0.1, 0.0);
+    if (any(equal(uvec4(on) * uvec4(lessThan(value, vec4(d.low))), uvec4(1u)))) x.rgb = vec3(0.0, 0.2, 1.0);
   }
   bool good = is_number(value.xyz) && is_number(value.w);
   pictures = vec4(good ? clamp(x.rgb, 0.0, 1.0) : vec3(1.0, 0.0, 1.0), 1.0);

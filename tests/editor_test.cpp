@@ -1,12 +1,40 @@
 // Parts of the editor that need no window: the action table, chords, undo, conditions of scripts, timing histories.
+#include <cmath>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <set>
 
 #include "actions.h"
+#include "camera.h"
 #include "document.h"
+#include "gi/param_sources.h"
+#include "live/pixel_images.h"
+#include "pixel.h"
 #include "ui/script.h"
 
 namespace nf::editor {
 namespace {
+
+// A parameter that was renamed takes its place in the paper along.
+TEST(Params, EverySourceIsOfAParameterThatThereIs) {
+  passes::FrameSettings settings;
+  std::set<std::string> ids, sourced;
+  for (const ParamBlock& block : settings.blocks())
+    for (const Param& row : block.table->params) {
+      ids.insert(fmt::format("{}.{}", block.table->prefix, row.name));
+      if (!passes::param_source(block.table->prefix, row.name).empty())
+        sourced.insert(fmt::format("{}.{}", block.table->prefix, row.name));
+    }
+  for (const passes::ParamSource& source : passes::param_sources()) {
+    EXPECT_TRUE(ids.count(std::string(source.id))) << source.id;
+    EXPECT_FALSE(source.place.empty()) << source.id;
+    EXPECT_TRUE(sourced.count(std::string(source.id))) << source.id;
+  }
+  EXPECT_EQ(sourced.size(), passes::param_sources().size()) << "none twice";
+  EXPECT_LT(sourced.size(), ids.size());
+  EXPECT_EQ(passes::param_source("gi", "noise"), "");
+  EXPECT_EQ(passes::param_source("g", "i.radius"), "") << "the dot is where it is";
+}
 
 TEST(Actions, NoTwoHaveTheSameKeys) {
   EXPECT_EQ(find_conflict(), "");
@@ -55,6 +83,75 @@ TEST(Actions, KeysGoToWhatHasTheFocus) {
   editor.show_help = true;
   EXPECT_TRUE(run_shortcut(editor, escape.key, 0, Focus::Text));
   EXPECT_FALSE(editor.show_help);
+}
+
+// Ctrl flies slowly: what it makes of S and W is no shortcut then.
+TEST(Actions, AFlightKeepsItsKeys) {
+  Editor editor;
+  const ui::Chord save = ui::parse_chord("ctrl+s"), freeze = ui::parse_chord("ctrl+space"), next = ui::parse_chord("n");
+  EXPECT_FALSE(run_shortcut(editor, save.key, save.mods, Focus::Flight));
+  EXPECT_FALSE(run_shortcut(editor, next.key, next.mods, Focus::Flight));
+  EXPECT_FALSE(editor.show_save);
+  EXPECT_TRUE(run_shortcut(editor, freeze.key, freeze.mods, Focus::Flight)) << "which steers nothing";
+  EXPECT_TRUE(run_shortcut(editor, save.key, save.mods, Focus::Nothing));
+  EXPECT_TRUE(editor.show_save);
+}
+
+CameraControl some_camera() {
+  CameraControl c;
+  c.camera.position = {1, 2, 3};
+  c.camera.forward = glm::normalize(glm::vec3(0.3f, -0.2f, -1));
+  c.camera.up = {0, 1, 0};
+  c.target = c.camera.position + 4.0f * c.camera.forward;
+  c.speed = 2;
+  return c;
+}
+
+TEST(Camera, ShiftIsFourTimesAsFastAndCtrlAFourth) {
+  const auto way = [](bool fast, bool slow) {
+    CameraControl c = some_camera();
+    const glm::vec3 before = c.camera.position, target = c.target;
+    fly(c, {.ahead = 1, .fast = fast, .slow = slow}, 0.5f);
+    EXPECT_TRUE(c.moved);
+    EXPECT_LT(glm::distance(c.target - target, c.camera.position - before), 1e-6f);
+    return glm::dot(c.camera.position - before, c.camera.forward);
+  };
+  EXPECT_NEAR(way(false, false), 1, 1e-6);
+  EXPECT_NEAR(way(true, false), 4, 1e-6);
+  EXPECT_NEAR(way(false, true), 0.25, 1e-6);
+  CameraControl still = some_camera();
+  fly(still, {.slow = true}, 1);
+  EXPECT_FALSE(still.moved);
+}
+
+// The pivot stays where it is in the picture, and as far; another point does not.
+TEST(Camera, AnOrbitKeepsItsPivotInPlace) {
+  const auto seen = [](const CameraControl& c, glm::vec3 point) {
+    const glm::vec3 f = glm::normalize(c.camera.forward), r = glm::normalize(glm::cross(f, c.camera.up)),
+                    u = glm::cross(r, f), to = point - c.camera.position;
+    return glm::vec3(glm::dot(to, r), glm::dot(to, u), glm::dot(to, f));
+  };
+  const glm::vec3 pivot(2, 1, 0.5f), other(0, 0, 0);
+  CameraControl c = some_camera();
+  const glm::vec3 before = seen(c, pivot), beside = seen(c, other), target = seen(c, c.target);
+  orbit(c, pivot, 0.4f, -0.3f);
+  orbit(c, pivot, -1.1f, 0.1f);
+  EXPECT_LT(glm::distance(seen(c, pivot), before), 1e-4f);
+  EXPECT_GT(glm::distance(seen(c, other), beside), 0.1f) << "the control";
+  EXPECT_LT(glm::distance(seen(c, c.target), target), 1e-4f) << "the target goes round with the camera";
+  EXPECT_GT(glm::distance(c.camera.position, some_camera().camera.position), 0.5f);
+  EXPECT_NEAR(c.camera.up.y, 1, 1e-6) << "upright";
+}
+
+TEST(Camera, ThePickedPointIsOrbited) {
+  Editor editor;
+  editor.view = some_camera();
+  editor.picking.values.layers = {{"depth", "V", {2.5f}}, {"position", "XYZ", {7, 8, 9}}};
+  EXPECT_EQ(orbit_pivot(editor), editor.view.target) << "nothing is picked";
+  editor.picking.locked = true;
+  EXPECT_EQ(orbit_pivot(editor), glm::vec3(7, 8, 9));
+  editor.picking.values.layers[0].values = {0};
+  EXPECT_EQ(orbit_pivot(editor), editor.view.target) << "the sky";
 }
 
 TEST(Actions, OneFileDialogAtATime) {
@@ -131,6 +228,58 @@ TEST(Mode, PaperAndBack) {
     fresh.technique = &technique;
     EXPECT_TRUE(same(settings, fresh)) << technique.id;
   }
+}
+
+TEST(Pixel, IsReadFromATypedPair) {
+  glm::uvec2 pixel{7, 7};
+  for (const char* text : {"412,233", "412 233", " 412 , 233 ", "412,  233"}) {
+    EXPECT_EQ(parse_pixel(text, {640, 360}, pixel), "") << text;
+    EXPECT_EQ(pixel, glm::uvec2(412, 233));
+    pixel = {7, 7};
+  }
+  for (const char* text : {"", "412", "412,,233", "a,b", "-1,3", "1.5,2", "1,2,3", "1,2x"})
+    EXPECT_NE(parse_pixel(text, {640, 360}, pixel).find("two numbers"), std::string::npos) << text;
+  for (const char* text : {"640,3", "3,360", "99999999999,3"})
+    EXPECT_EQ(parse_pixel(text, {640, 360}, pixel), "outside the picture, whose last pixel is 639,359") << text;
+  EXPECT_EQ(pixel, glm::uvec2(7, 7));
+}
+
+TEST(Pixel, TheTexelOfAnImageOfAnotherSize) {
+  using live::covering_texel;
+  const glm::uvec2 at(100, 71), picture(155, 111);
+  EXPECT_EQ(covering_texel(at, picture, {0, 0}, picture), at);
+  EXPECT_EQ(covering_texel(at, picture, {0, 0}, {78, 56}), glm::uvec2(50, 35));  // halves, rounded up
+  EXPECT_EQ(covering_texel(at, picture, {0, 0}, {77, 55}), glm::uvec2(50, 35));  // or down
+  EXPECT_EQ(covering_texel({154, 110}, picture, {0, 0}, {77, 55}), glm::uvec2(76, 54));
+  EXPECT_EQ(covering_texel(at, picture, {0, 0}, {39, 28}), glm::uvec2(25, 17));
+  EXPECT_EQ(covering_texel(at, picture, {0, 0}, {1, 1}), glm::uvec2(0, 0));
+  // Rendered with a border, but cut off again.
+  EXPECT_EQ(covering_texel(at, picture, {8, 6}, {171, 123}), at + glm::uvec2(8, 6));
+  EXPECT_EQ(covering_texel(at, picture, {8, 6}, picture), at);
+  EXPECT_EQ(covering_texel(at, picture, {8, 6}, {86, 62}), glm::uvec2(54, 38));
+  // In proportion.
+  EXPECT_EQ(covering_texel({50, 10}, {100, 100}, {0, 0}, {64, 64}), glm::uvec2(32, 6));
+}
+
+TEST(Pixel, JsonHasAllDigitsAndNumbersThatAreNone) {
+  live::Picked picked;
+  picked.made_with.settings = {};
+  picked.layers.push_back({.name = "gi", .channels = "RGB", .values = {0.1f, NAN, -INFINITY}});
+  live::ImageValue image{.name = "gbuffer.normal", .format = "R32_UINT", .pass = "gbuffer.opaque"};
+  image.numbers = {0xfffffffeu};
+  image.meaning = "view-space direction";
+  image.unpacked = {0, 1, 0};
+  picked.images = {image};
+  image.of_view = false;
+  picked.images.push_back(image);
+  const nlohmann::json document = nlohmann::json::parse(to_json(picked).dump());
+  EXPECT_EQ(document["layers"]["gi"][0].get<float>(), 0.1f);
+  EXPECT_EQ(document["layers"]["gi"][1], "nan");
+  EXPECT_EQ(document["layers"]["gi"][2], "-inf");
+  EXPECT_EQ(document["images"][0]["values"][0], 4294967294u);
+  EXPECT_EQ(document["images"][0]["unpacked"]["values"][1], 1);
+  EXPECT_FALSE(document["images"][1].contains("values"));
+  EXPECT_EQ(text_of(std::vector<float>{0.1f, 16777217.0f}), "0.1  16777216");
 }
 
 TEST(Conditions, PathsMayHoldDots) {

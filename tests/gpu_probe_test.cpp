@@ -1,6 +1,16 @@
 // Resources looked at between the passes of a frame: the values there, and every image of the real frame.
+#include <cmath>
+#include <cstring>
+
+#include "glsl_twin.h"
 #include "gpu_fixture.h"
 #include "graph/probe.h"
+#include "packed.h"
+
+NF_GLSL_BEGIN
+#include "common/denoise.glsl"
+#include "common/pack.glsl"
+NF_GLSL_END
 
 namespace nf::test {
 namespace {
@@ -51,7 +61,7 @@ TEST_F(ProbeOnDevice, BeforeAndAfterAPassThatChangesIt) {
                                     graph::Probe{.pass = 2, .resource = a.id, .name = "after"},
                                     graph::Probe{.pass = 2, .before = true, .resource = a.id, .name = "before"}})
     ASSERT_EQ(graph::add_probe(graph, probe), "");
-  for (const uint64_t order : {0, 1, 2, 3}) {
+  for (const uint64_t order : {0u, 1u, 2u, 3u}) {
     executor_->options.order_seed = order;
     executor_->run(graph);
     const std::vector<graph::Readback> all = executor_->take_readbacks();
@@ -131,6 +141,92 @@ TEST_F(ProbeFrame, EverythingCanBeLookedAt) {
               plain.passes.size(), images, rounds.size(), not_black, refused);
   EXPECT_GT(images, 60u);
   EXPECT_GT(not_black, images / 2);
+}
+
+// One texel of every image of the frame at once is the texel of the whole image, and the picture is what it is without.
+// Every 32-bit word says what it means.
+TEST_F(ProbeFrame, OneTexelOfEveryImage) {
+  const scene::Scene scene = load(small_room());
+  passes::FrameSettings settings;
+  settings.reconstruct = true;
+  settings.shadow.resolution = 64;
+  settings.shadow.tile_resolution = 32;
+  const passes::FrameView view = view_of_small_room({32, 18});
+  passes::Renderer renderer(device(), scene);
+  const auto frame = [&](std::optional<glm::vec2> place, std::vector<graph::Probe>& probes) {
+    renderer.executor().invalidate_histories();
+    graph::Graph graph(renderer.executor().histories());
+    const passes::FrameOutputs out = renderer.build(graph, view, settings);
+    graph.readback("picture", renderer.add_picture(graph, out, settings));
+    probes = graph::last_states(graph, graph.resources.size());
+    const graph::Graph plain = graph;
+    for (const graph::ResourceRow& row : plain.resources) {
+      const bool word = !row.is_buffer && row.lifetime != graph::Lifetime::Imported;
+      if (word && row.desc.format == VK_FORMAT_R32_UINT) {
+        EXPECT_TRUE(passes::unpack_texel(row.name, row.desc.size, 0)) << row.name;
+      }
+    }
+    for (size_t i = probes.size(); i-- > 0;) {
+      const graph::Size size = graph::size_of(plain.resources[probes[i].resource].desc, probes[i].mip);
+      if (place)
+        probes[i].texel = graph::Texel{uint32_t(place->x * float(size.width)), uint32_t(place->y * float(size.height))};
+      EXPECT_EQ(graph::add_probe(graph, probes[i]), "");
+    }
+    renderer.executor().run(graph);
+    return renderer.executor().take_readbacks();
+  };
+  std::vector<graph::Probe> probes;
+  const std::vector<graph::Readback> whole = frame(std::nullopt, probes);
+  const uint64_t plans = renderer.executor().replans();
+  for (const glm::vec2 place : {glm::vec2(0.3f, 0.8f), glm::vec2(0.99f, 0.01f)}) {
+    const std::vector<graph::Readback> texels = frame(place, probes);
+    ASSERT_EQ(texels.size(), whole.size());
+    EXPECT_EQ(renderer.executor().replans(), plans + 1) << "another place is no other plan";
+    size_t images = 0, different = 0;
+    for (size_t i = 0; i < whole.size(); ++i) {
+      if (whole[i].name != std::string_view("probe")) {
+        EXPECT_EQ(texels[i].texels, whole[i].texels) << whole[i].name;
+        continue;
+      }
+      const graph::Texel at = *probes[images++].texel;
+      const size_t bytes = texels[i].texels.size(), offset = (size_t(at.y) * whole[i].desc.size.width + at.x) * bytes;
+      EXPECT_EQ(bytes, gpu::texel_bytes(whole[i].desc.format));
+      EXPECT_EQ(0, std::memcmp(texels[i].texels.data(), whole[i].texels.data() + offset, bytes)) << i;
+      different += std::memcmp(texels[i].texels.data(), whole[i].texels.data(), bytes) != 0;
+    }
+    EXPECT_EQ(images, probes.size());
+    EXPECT_GT(images, 40u);
+    EXPECT_GT(different, images / 4) << "the control: another texel is another number";
+  }
+}
+
+TEST(Packed, TheHostReadsWhatTheShadersWrote) {
+  const auto unpacked = [](const char* image, uint32_t bits) {
+    return passes::unpack_texel(image, {64, 32}, bits).value().values;
+  };
+  for (int i = 0; i < 200; ++i) {
+    const float t = float(i) * 0.37f;
+    const glm::vec3 n = glm::normalize(glm::vec3(std::sin(t), std::cos(t * 1.3f), std::sin(t * 0.7f + 1)));
+    const uint32_t bits = twin::pack_normal(n);
+    const glm::vec3 shader = twin::unpack_normal(bits);
+    const std::vector<float> host = unpacked("gbuffer.normal", bits);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(host[size_t(c)], shader[c], 1e-6f);
+      EXPECT_NEAR(host[size_t(c)], n[c], 1e-4f);
+    }
+    const glm::vec3 light = glm::abs(n) * std::exp2(t - 20);
+    const uint32_t packed = twin::pack_rgb9e5(light);
+    const std::vector<float> read = unpacked("direct.radiance", packed);
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(read[size_t(c)], twin::unpack_rgb9e5(packed)[c]);
+    const uint32_t state = twin::pack_state(n.x, light.x);
+    EXPECT_EQ(unpacked("denoise.state", state),
+              (std::vector<float>{twin::unpack_visibility(state), twin::unpack_variance(state)}));
+  }
+  EXPECT_EQ(unpacked("denoise.bent", twin::NO_BENT), std::vector<float>{});
+  EXPECT_EQ(unpacked("feedback.nearest", ~0u), std::vector<float>{});
+  EXPECT_EQ(unpacked("feedback.nearest", 0x40200000u), std::vector<float>{2.5f});
+  EXPECT_EQ(unpacked("feedback.owner", 5 * 64 + 7), (std::vector<float>{7, 5}));
+  EXPECT_FALSE(passes::unpack_texel("nobody", {64, 32}, 0));
 }
 
 }  // namespace

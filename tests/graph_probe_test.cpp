@@ -94,6 +94,37 @@ TEST_F(ProbeTest, ItIsARowLikeAnyOther) {
   EXPECT_EQ(barrier_of(plan, 3, a).src_stages, copy_stage);
 }
 
+TEST_F(ProbeTest, OneTexelIsCheckedAndMovesWithoutAnotherPlan) {
+  const auto with = [&](uint32_t x, uint32_t y, uint8_t mip) {
+    return Probe{.pass = 2, .resource = a.id, .mip = mip, .texel = Texel{x, y}};
+  };
+  EXPECT_EQ(probe_fault(graph, with(63, 31, 0)), "");
+  EXPECT_EQ(probe_fault(graph, with(64, 31, 0)), "'a' is 64x32 there: it has no texel 64, 31");
+  EXPECT_EQ(probe_fault(graph, with(31, 16, 1)), "'a' is 32x16 there: it has no texel 31, 16");
+  Graph here = graph, there = graph, whole = graph;
+  ASSERT_EQ(add_probe(here, with(1, 2, 0)), "");
+  ASSERT_EQ(add_probe(there, with(3, 4, 0)), "");
+  ASSERT_EQ(add_probe(whole, {.pass = 2, .resource = a.id}), "");
+  EXPECT_EQ(topology_hash(here), topology_hash(there));
+  EXPECT_NE(topology_hash(here), topology_hash(whole));
+}
+
+// Each mip after its own last writer; what is culled or lies outside is left out, and so are later rows.
+TEST_F(ProbeTest, LastStates) {
+  const std::vector<Probe> all = last_states(graph, graph.resources.size());
+  std::vector<std::tuple<uint32_t, uint16_t, uint8_t>> seen;
+  for (const Probe& probe : all) seen.emplace_back(probe.pass, probe.resource, probe.mip);
+  EXPECT_EQ(seen, (std::vector<std::tuple<uint32_t, uint16_t, uint8_t>>{{1, a.id, 1}, {2, a.id, 0}, {4, b.id, 0}}));
+  EXPECT_EQ(last_states(graph, 1).size(), 2u);
+  const History history = graph.history("kept", {{64, 32}, r32});
+  graph.compute("next", filter).in("from", history.prev).out("value", history.next).over(history.next);
+  graph.readback("out", history.next);
+  const std::vector<Probe> more = last_states(graph, graph.resources.size());
+  ASSERT_EQ(more.size(), 5u) << "what the frame only reads has content, too";
+  EXPECT_EQ(more[3].resource, history.prev.id);
+  EXPECT_EQ(more[3].pass, 6u);
+}
+
 // Wherever a probe is allowed in graphs of all kinds of rows, the graph is valid and its plan has no hazard.
 TEST(Probe, RandomGraphsStayValid) {
   uint32_t put = 0, refused = 0;

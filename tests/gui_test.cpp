@@ -1,67 +1,10 @@
-// The editor driven by scripts, without a window: each script's own conditions are the checks. Under validation, of
-// both devices.
+// The editor driven by scripts, without a window: each script's own conditions are the checks.
 #include "capture/trace.h"
-#include "cli_process.h"
+#include "gui_fixture.h"
 #include "image/image.h"
 
 namespace nf {
 namespace {
-
-class GuiTest : public CliTest {
- protected:
-  void SetUp() override {
-    CliTest::SetUp();
-    std::filesystem::create_directories(base_ / "work");
-  }
-  static std::string script_text(const std::string& name) {
-    return bytes_of(std::string(NF_SOURCE_DIR "/tests/gui/") + name);
-  }
-  static std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-      text.replace(at, from.size(), to);
-    return text;
-  }
-  // Runs a script's text; the program's own folder for settings and captures is a new one.
-  Outcome play(const std::string& text, const Words& more = {}, const Words& environment = {},
-               const std::string& window = "1280x720") {
-    Words words = {"edit", scene(),      "--offscreen", "--validation", "--window",
-                   window, "--log-file", out("log"),    "--ui-script",  input("script.jsonl", text)};
-    words.insert(words.end(), more.begin(), more.end());
-    Words all = {"XDG_CONFIG_HOME=" + config()};
-    all.insert(all.end(), environment.begin(), environment.end());
-    return run(words, all);
-  }
-  // Captures go to base_/work/captures.
-  Outcome play_in_work(const std::string& text, const std::string& window = "1280x720", const Words& more = {}) {
-    const std::filesystem::path before = std::filesystem::current_path();
-    std::filesystem::current_path(base_ / "work");
-    const Outcome played = play(text, more, {}, window);
-    std::filesystem::current_path(before);
-    return played;
-  }
-  void keep_settings(const std::string& preferences) const {
-    std::filesystem::create_directories(config() + "/nearfield");
-    std::ofstream(config() + "/nearfield/editor.json")
-        << R"({"schema": "nearfield.editor/1", "preferences": {)" << preferences << "}}";
-  }
-  // The same; what went wrong comes back.
-  std::string play_inside(const std::string& text) {
-    const Outcome played = play_in_work(text);
-    return played.code || played.err.find("validation:") != std::string::npos
-               ? fmt::format("exit {}: {}", played.code, played.err)
-               : "";
-  }
-  std::string captures() const { return (base_ / "work" / "captures").string(); }
-  std::string config() const { return (base_ / "config").string(); }
-};
-
-// What is left when a device goes is told too late for the exit code.
-#define PLAYS(outcome)                                                          \
-  do {                                                                          \
-    const Outcome played = (outcome);                                           \
-    EXPECT_EQ(played.code, 0) << played.err;                                    \
-    EXPECT_EQ(played.err.find("validation:"), std::string::npos) << played.err; \
-  } while (false)
 
 TEST_F(GuiTest, SwapsThroughAllTechniques) {
   PLAYS(play(script_text("swap.jsonl")));
@@ -75,9 +18,24 @@ TEST_F(GuiTest, ComparesWithWhatWasKept) {
 TEST_F(GuiTest, WhatHasTheFocusGetsItsKeys) {
   PLAYS(play(script_text("keys.jsonl")));
 }
+TEST_F(GuiTest, APixelIsReadInEveryImage) {
+  keep_settings(R"("settle": 4, "moving_scale": 1, "scale_chosen": true, "render_scale": 0.25)");
+  PLAYS(play(replaced(script_text("pixel.jsonl"), "SHOT", out("pixel"))));
+}
+TEST_F(GuiTest, PartsOfTheRendererStandStill) {
+  keep_settings(R"("settle": 32, "moving_scale": 1, "scale_chosen": true, "render_scale": 0.2)");
+  PLAYS(play(replaced(script_text("freeze.jsonl"), "SHOT", out("freeze"))));
+}
 // Where there is little room, rows of the grid are seen, and no name lies under its widget.
 TEST_F(GuiTest, SmallWindowsShowWhatTheyMust) {
-  PLAYS(play(replaced(script_text("small.jsonl"), "SHOT", out("small")), {}, {}, "1280x720"));
+  PLAYS(play(replaced(script_text("small.jsonl"), "SHOT", out("small")), {"--ui-state", out("state")}, {}, "1280x720"));
+  const nlohmann::json state = nlohmann::json::parse(bytes_of(out("state")));
+  const auto edge = [&](const char* id) {
+    const nlohmann::json& rect = state["widgets"][id]["rect"];
+    return rect[0].get<double>() + rect[2].get<double>();
+  };
+  EXPECT_EQ(state["window"][0], 800);
+  EXPECT_LT(edge("technique.changed_only"), edge("region.technique"));
 }
 TEST_F(GuiTest, EveryPanelShowsSomething) {
   PLAYS(play(script_text("panels.jsonl")));
@@ -309,23 +267,20 @@ TEST_F(GuiTest, EveryPictureSaysWhatMadeIt) {
     EXPECT_EQ(made["device"]["type"].get<std::string>().empty(), false);
     last = beside;
   }
-  EXPECT_EQ(pictures, (std::map<std::string, int>{{"layers", 1}, {"pictur", 2}, {"window", 1}}));
+  EXPECT_EQ(pictures, (std::map<std::string, int>{{"layers", 2}, {"pictur", 2}, {"window", 1}}));
   const Outcome rendered = run({"render", scene(), "--preset", last, "--size", "32x18", "-o", out("again.png")});
   EXPECT_EQ(rendered.code, 0) << rendered.err;
 }
 
 // "As it is shown": false colours, and what lies outside the range, as the window has them.
-TEST_F(GuiTest, ATextureIsSavedAsItIsShown) {
-  std::filesystem::create_directories(config() + "/nearfield");
-  std::ofstream(config() + "/nearfield/editor.json")
-      << R"({"schema": "nearfield.editor/1", "preferences": {"settle": 4, "moving_scale": 1, "scale_chosen": true, "render_scale": 0.25}})";
-  ASSERT_EQ(play_inside(replaced(script_text("texture.jsonl"), "SHOT", out("shown.png"))), "");
-  std::filesystem::path saved;
-  for (const auto& entry : std::filesystem::directory_iterator(captures()))
-    if (entry.path().extension() == ".png") saved = entry.path();
-  const image::Image8 window = image::read_png(out("shown.png")), file = image::read_png(saved);
-  ASSERT_GE(window.width, 2 * file.width) << "texels as squares, or nothing can be compared";
-  size_t same = 0, coloured = 0, blue = 0;
+// What a picture of the window and a saved file have in common, by the file's texels.
+struct Alike {
+  double same = 0, coloured = 0, blue = 0;  // shares
+};
+Alike alike(const std::string& shown, const std::string& saved) {
+  const image::Image8 window = image::read_png(shown), file = image::read_png(saved);
+  EXPECT_GE(window.width, 2 * file.width) << "texels as squares, or nothing can be compared";
+  Alike out;
   for (uint32_t y = 0; y < file.height; ++y)
     for (uint32_t x = 0; x < file.width; ++x) {
       const size_t a = size_t(y * file.width + x) * 3,
@@ -334,15 +289,40 @@ TEST_F(GuiTest, ATextureIsSavedAsItIsShown) {
                        3;
       int apart = 0;
       for (size_t c = 0; c < 3; ++c) apart = std::max(apart, std::abs(file.pixels[a + c] - window.pixels[b + c]));
-      same += apart <= 2;
-      coloured += file.pixels[a] != file.pixels[a + 1];
-      blue += file.pixels[a] == 0 && file.pixels[a + 1] == 51 && file.pixels[a + 2] == 255;
+      out.same += apart <= 2;
+      out.coloured += file.pixels[a] != file.pixels[a + 1];
+      out.blue += file.pixels[a] == 0 && file.pixels[a + 1] == 51 && file.pixels[a + 2] == 255;
     }
-  const size_t all = size_t(file.width) * file.height;
-  EXPECT_GT(same, all * 98 / 100);
-  EXPECT_GT(coloured, all / 2);
-  EXPECT_GT(blue, all / 50) << "below the range";
-  EXPECT_LT(blue, all * 98 / 100);
+  const double all = double(file.width) * file.height;
+  return {out.same / all, out.coloured / all, out.blue / all};
+}
+
+TEST_F(GuiTest, ATextureIsSavedAsItIsShown) {
+  keep_settings(R"("settle": 4, "moving_scale": 1, "scale_chosen": true, "render_scale": 0.25)");
+  ASSERT_EQ(play_inside(replaced(script_text("texture.jsonl"), "SHOT", out("shown"))), "");
+  std::map<std::string, std::string> saved;
+  for (const auto& entry : std::filesystem::directory_iterator(captures()))
+    if (entry.path().extension() == ".png") {
+      const std::string name = entry.path().filename().string();
+      saved[name.substr(0, name.find('-'))] = entry.path().string();
+    }
+  ASSERT_EQ(saved.size(), 4u);
+  std::set<std::string> different;
+  for (const auto& [name, path] : saved) {
+    const Alike found = alike(out("shown-" + name + ".png"), path);
+    EXPECT_GT(found.same, 0.98) << name;
+    if (name != "gbuffer.albedo") {
+      EXPECT_GT(found.coloured, 0.5) << name;
+    }
+    if (name == "vbgi.visibility") {
+      EXPECT_GT(found.blue, 0.02) << "below the range";
+      EXPECT_LT(found.blue, 0.98);
+    }
+    different.insert(bytes_of(path));
+  }
+  EXPECT_EQ(different.size(), 4u);
+  EXPECT_TRUE(bytes_of(out("shown-denoise.visibility.png")) == bytes_of(out("shown-moved.png"))) << "it is frozen";
+  EXPECT_LT(alike(out("shown-vbgi.visibility.png"), saved["denoise.visibility"]).same, 0.5) << "the control";
 }
 
 }  // namespace

@@ -198,7 +198,34 @@ TEST_F(PresetFile, FaultsAreNamedByTheirPath) {
   names(R"(, "view": {"point": [{"position": [0, 0, 0], "direction": [0, 1, 0], "outer_cone_deg": 100}]})",
         "'view.point[0].outer_cone_deg'");
   names(R"(, "view": {"environment": {"hdr": "nowhere.hdr"}})", "'view.environment.hdr'");
+  names(R"(, "bookmarks": [])", "'bookmarks'");
+  names(R"(, "bookmarks": {"0": {}})", "unknown key 'bookmarks.0'");
+  names(R"(, "bookmarks": {"10": {}})", "unknown key 'bookmarks.10'");
+  names(R"(, "bookmarks": {"3": {"position": [0, 0, 0]}})", "'bookmarks.3.target'");
+  names(R"(, "bookmarks": {"3": {"position": [0, 0, 0], "target": [0, 0, 1], "fov": 3}})", "'bookmarks.3.fov'");
   EXPECT_THROW(read_preset(folder_ / "nowhere.json"), Error);
+}
+
+// Those that are there, under their numbers; none is not the same as no word of them.
+TEST_F(PresetFile, BookmarksAreKept) {
+  const scene::Camera camera = *full_view().camera;
+  Preset preset;
+  EXPECT_FALSE(read_preset(write("p.json", R"({"schema": "nearfield.preset/1"})")).bookmarks);
+  preset.bookmarks.emplace();
+  write_preset(folder_ / "p.json", preset);
+  ASSERT_TRUE(read_preset(folder_ / "p.json").bookmarks);
+  (*preset.bookmarks)[0] = camera;
+  (*preset.bookmarks)[8] = camera;
+  (*preset.bookmarks)[8]->position.x += 1;
+  write_preset(folder_ / "p.json", preset);
+  const Bookmarks read = read_preset(folder_ / "p.json").bookmarks.value();
+  for (size_t i = 0; i < read.size(); ++i) EXPECT_EQ(read[i].has_value(), i == 0 || i == 8) << i;
+  EXPECT_EQ(read[0]->position, camera.position);
+  EXPECT_EQ(read[8]->position.x, camera.position.x + 1);
+  expect_near(read[8]->forward, camera.forward);
+  expect_near(read[8]->up, camera.up);
+  EXPECT_NEAR(read[8]->vfov, camera.vfov, 1e-6f);
+  EXPECT_EQ(read[8]->far, camera.far);
 }
 
 // The old file stays where the new one cannot be written.

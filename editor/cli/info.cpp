@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/options.h"
+#include "gi/param_sources.h"
 #include "scene/gltf.h"
 #include "scene/peaks.h"
 
@@ -71,6 +72,8 @@ json params_json(const std::string& technique) {
                   {"type", type_text(p.type)},
                   {"default", params::format(p, p.default_value)},
                   {"help", p.help}};
+      if (const std::string_view source = passes::param_source(block.table->prefix, p.name); !source.empty())
+        row["source"] = source;
       if (p.type == ParamType::Choice)
         row["choices"] = p.unit;
       else if (p.type != ParamType::Bool)
@@ -123,8 +126,9 @@ void print_text(const json& info) {
                                 : p.contains("min")   ? fmt::format("{} to {} {}", p["min"].get<double>(),
                                                                     p["max"].get<double>(), p["unit"].get<std::string>())
                                                       : "true|false";
-      fmt::print("{:26} = {:10} [{}]  {}\n", p["id"].get<std::string>(), p["default"].get<std::string>(), range,
-                 p["help"].get<std::string>());
+      const std::string source = p.contains("source") ? fmt::format("  ({})", p["source"].get<std::string>()) : "";
+      fmt::print("{:26} = {:10} [{}]  {}{}\n", p["id"].get<std::string>(), p["default"].get<std::string>(), range,
+                 p["help"].get<std::string>(), source);
     }
   if (info.contains("scene"))
     for (const auto& [key, value] : info["scene"].items())

@@ -7,6 +7,7 @@
 #include "graph/dump.h"
 #include "graph/probe.h"
 #include "live/graph_info.h"
+#include "live/pixel_images.h"
 #include "scene/animation.h"
 #include "scene/gltf.h"
 
@@ -61,8 +62,7 @@ std::string look_at(graph::Graph& built, const ProbeWanted& wanted) {
                                  [&](const graph::PassRow& row) { return wanted.pass == row.name; });
   const auto resource =
       std::find_if(built.resources.begin(), built.resources.end(), [&](const graph::ResourceRow& row) {
-        const bool previous = row.lifetime == graph::Lifetime::HistoryPrev;
-        return wanted.resource == (previous ? fmt::format("{}.prev", row.name) : row.name);
+        return wanted.resource == graph::resource_name(built, uint16_t(&row - built.resources.data()));
       });
   if (pass == built.passes.end()) return fmt::format("this frame has no pass '{}'", wanted.pass);
   if (resource == built.resources.end()) return fmt::format("this frame has no resource '{}'", wanted.resource);
@@ -171,7 +171,10 @@ Published Engine::frame(const Wanted& wanted) {
   if (wanted.revision != revision) settled = 0;
   revision = wanted.revision;
   history = wanted.history;
-  if (anew) view.frame_index = 0;
+  if (anew) view.frame_index = last_index = kept_index = 0;
+  if (wanted.hold_noise) view.frame_index = last_index;
+  view.previous_frame_index = anew ? std::nullopt : std::optional(kept_index);
+  view.culling_camera = wanted.culling_camera;
   view.size = wanted.size;
   view.seed = wanted.seed;
   view.averaged = wanted.bare;
@@ -201,6 +204,7 @@ Published Engine::frame(const Wanted& wanted) {
   if (layer && picture)
     out.picture.note = fmt::format("{} gives no layer '{}'", wanted.settings.technique->id, layer->name);
   describe_graph(built, out);
+  const size_t resources = built.resources.size();
   std::vector<const passes::Aov*> asked;
   for (const std::string& name : wanted.layers)
     if (const graph::Tex texels = renderer->add_layer(built, outputs, passes::find_aov(name))) {
@@ -210,6 +214,13 @@ Published Engine::frame(const Wanted& wanted) {
   // What the user looks into is not part of the frame that the panels show.
   std::vector<const passes::Aov*> picked;
   if (wanted.pick_serial != pick || !save_layers.empty()) pick_layers(built, outputs, picked);
+  if (wanted.pick_serial != pick)
+    out.picked =
+        Picked{.serial = wanted.pick_serial,
+               .pixel = wanted.pick,
+               .layers = {},
+               .images = read_pixel(built, resources, glm::min(wanted.pick, view.size - 1u), view.size, outputs.border),
+               .made_with = {}};
   out.probe_of = wanted.probe;
   if (wanted.probe) out.probe_error = look_at(built, *wanted.probe);
   if (wanted.inspect) {
@@ -222,10 +233,19 @@ Published Engine::frame(const Wanted& wanted) {
     if (outputs.inspection.records) built.readback("readback.inspection", outputs.inspection.records);
   }
 
-  renderer->executor().run(built, {.then = out.picture.image ? out.picture.image->written : gpu::TimelinePoint{}});
+  graph::ExecuteOptions execute{.hold_histories = wanted.hold_history,
+                                .then = out.picture.image ? out.picture.image->written : gpu::TimelinePoint{}};
+  // The one that hands an attachment over to a shader.
+  if (std::exchange(drop_next, false))
+    for (size_t i = 0; i < plan.barriers.size() && execute.drop_barrier < 0; ++i)
+      if (plan.barriers[i].old_layout == VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL) execute.drop_barrier = int(i);
+  renderer->executor().run(built, execute);
   const graph::FrameResult result = renderer->executor().finish();
-  view.previous_camera = view.camera;
-  ++view.frame_index;
+  last_index = view.frame_index++;
+  if (!renderer->executor().held()) {
+    view.previous_camera = view.camera;
+    kept_index = last_index;
+  }
   out.number = ++number;
   out.settled = ++settled;
   out.moving = wanted.moving;
@@ -266,7 +286,9 @@ void Engine::collect(const Wanted& wanted, const passes::FrameOutputs& outputs,
                      const std::vector<const passes::Aov*>& asked, const std::vector<const passes::Aov*>& picked,
                      Published& out) {
   const passes::Aov* layer = wanted.layer.empty() ? nullptr : &passes::find_aov(wanted.layer);
-  size_t next_pick = 0;
+  size_t next_pick = 0, next_image = 0;
+  const bool picks = out.picked.has_value();
+  if (picks) out.picked->made_with = out.made_with;
   std::vector<image::Layer> layers;
   for (const graph::Readback& readback : renderer->executor().take_readbacks()) {
     const std::string_view name = readback.name;
@@ -274,8 +296,11 @@ void Engine::collect(const Wanted& wanted, const passes::FrameOutputs& outputs,
     if (name == "readback.layer") {
       out.picture = to_pixels(to_layer(*layer, readback));
     } else if (name == "readback.pick") {
-      if (!out.picked) out.picked = Picked{wanted.pick_serial, wanted.pick, {}, out.made_with};
       layers.push_back(to_layer(*picked[next_pick], readback));
+      if (!picks) {
+        ++next_pick;
+        continue;
+      }
       const image::Layer& values = layers.back();
       LayerValue value{.name = *picked[next_pick]->name ? picked[next_pick]->name : "final",
                        .channels = picked[next_pick]->channels};
@@ -285,6 +310,9 @@ void Engine::collect(const Wanted& wanted, const passes::FrameOutputs& outputs,
                           values.image.pixels.begin() + long(first + values.image.channels));
       out.picked->layers.push_back(std::move(value));
       ++next_pick;
+    } else if (name == pixel_readback) {
+      while (!out.picked->images[next_image].of_view) ++next_image;
+      take_texel(readback, out.picked->images[next_image++]);
     } else if (name == "readback.nan_scan") {
       for (const passes::NonFiniteTexels& image : read_nan_scan(outputs.nan_scan, readback))
         if (image.any())

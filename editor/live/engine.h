@@ -31,7 +31,8 @@ struct Engine {
   uint64_t revision = ~uint64_t{0}, history = ~uint64_t{0}, lights = ~uint64_t{0}, steps = 0, pick = 0;
   uint64_t failed_revision = ~uint64_t{0};
   uint32_t settled = 0;
-  bool lost = false, lose_next = false;
+  uint32_t last_index = 0, kept_index = 0;  // frame indices: of the last frame, of the one whose histories are kept
+  bool lost = false, lose_next = false, drop_next = false;
   double time = 0;
   std::string save_layers;     // with the next frame
   std::optional<Event> saved;  // what came of it

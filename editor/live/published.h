@@ -78,10 +78,22 @@ struct LayerValue {
   std::string name, channels;
   std::vector<float> values;
 };
+// An image of the frame where it covers a pixel of the picture, as its last pass of the frame leaves it.
+struct ImageValue {
+  std::string name, format, pass;  // as the graph has them; the pass that wrote it last
+  glm::uvec2 size{0}, texel{0};    // of the mip
+  uint32_t mip = 0, mips = 1, layer = 0, layers = 1;
+  bool of_view = true;            // else no texel of it is the pixel's
+  std::vector<float> values;      // or
+  std::vector<uint32_t> numbers;  // what is stored in integer formats
+  std::string meaning;            // of the number, and what it stands for
+  std::vector<float> unpacked;
+};
 struct Picked {
   uint64_t serial = 0;
   glm::uvec2 pixel{0};
   std::vector<LayerValue> layers;
+  std::vector<ImageValue> images;
   MadeWith made_with;
 };
 

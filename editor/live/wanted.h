@@ -35,13 +35,17 @@ struct Wanted {
   SceneLights lights;
   glm::uvec2 size{1};
   uint32_t seed = 1;
-  std::string layer;         // an AOV shown in place of the picture; "" = none
-  uint32_t settle = 64;      // frames after which a still picture is done
-  bool moving = false;       // someone is moving something: the next picture matters more than this one
-  bool reduced = false;      // `size` is smaller than that of the still picture, because of that
-  bool paused = false;       // no frame, but of the same picture to look into
-  bool playing = false;      // the scene's clock runs
-  double step = 1.0 / 60;    // seconds a frame; 0 = as the wall clock
+  std::string layer;       // an AOV shown in place of the picture; "" = none
+  uint32_t settle = 64;    // frames after which a still picture is done
+  bool moving = false;     // someone is moving something: the next picture matters more than this one
+  bool reduced = false;    // `size` is smaller than that of the still picture, because of that
+  bool paused = false;     // no frame, but of the same picture to look into
+  bool playing = false;    // the scene's clock runs
+  double step = 1.0 / 60;  // seconds a frame; 0 = as the wall clock
+  // Frozen: histories stay as the last frame left them; noise and jitter are the last frame's; what is outside this
+  // camera's view is not drawn.
+  bool hold_history = false, hold_noise = false;
+  std::optional<scene::Camera> culling_camera;
   uint64_t steps = 0;        // grows: one step of a stopped clock
   uint64_t pick_serial = 0;  // grows: read every layer at `pick`
   glm::uvec2 pick{0};        // pixel of `size`
@@ -57,7 +61,8 @@ enum class CommandKind : uint8_t {
   CopyScene,
   ReloadShaders,
   Restart,
-  LoseDevice
+  LoseDevice,
+  DropBarrier  // the next frame is recorded without one: the validation layer has something to say
 };
 struct Command {
   CommandKind kind;

@@ -96,7 +96,8 @@ bool Worker::has_work(const Engine& e) const {
   if (e.lost || !e.renderer || wanted_.scene != e.serial) return false;
   if (wanted_.paused)
     return e.number > 0 && wanted_.revision != e.failed_revision &&
-           (wanted_.pick_serial != e.pick || wanted_.probe != e.last.probe || wanted_.inspect != e.last.inspect);
+           (wanted_.pick_serial != e.pick || !e.save_layers.empty() || wanted_.probe != e.last.probe ||
+            wanted_.inspect != e.last.inspect);
   if (wanted_.revision == e.failed_revision) return false;
   return wanted_.revision != e.revision || e.settled < wanted_.settle || wanted_.playing || wanted_.steps != e.steps ||
          wanted_.pick_serial != e.pick;
@@ -209,6 +210,10 @@ void Worker::run() {
           break;
         case CommandKind::ReloadShaders:
           if (engine.renderer) reload(engine, {});
+          break;
+        case CommandKind::DropBarrier:
+          engine.drop_next = true;
+          engine.revision = ~uint64_t{0};
           break;
         case CommandKind::LoseDevice:
           engine.lose_next = true;

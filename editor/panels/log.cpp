@@ -45,6 +45,7 @@ void draw_log_panel(Editor& editor) {
   ImGui::BeginChild("lines", ImVec2(0, 0), true);
   ui::note("log.lines", fmt::format("{}", editor.log.size()));
   ui::note("log.shown", fmt::format("{}", shown.size()));
+  ui::note("log.last", shown.empty() ? "" : *shown.back());
   for (const std::string* line : shown) {
     const int level = level_of(*line);
     if (level) ImGui::PushStyleColor(ImGuiCol_Text, level == 2 ? ImVec4(1, 0.5f, 0.5f, 1) : ImVec4(1, 0.85f, 0.5f, 1));
@@ -84,8 +85,9 @@ void draw_help(Editor& editor) {
         ImGui::TextWrapped("%s", action.help);
       }
       for (const auto& [keys, name, help] :
-           {std::tuple{"right drag", "look", "and W A S D Q E to fly, wheel for the speed, Shift four times as fast"},
-            std::tuple{"Alt+left drag", "orbit", "about what the camera is aimed at"},
+           {std::tuple{"right drag", "look",
+                       "and W A S D Q E to fly, wheel for the speed, Shift four times as fast, Ctrl a fourth"},
+            std::tuple{"Alt+left drag", "orbit", "about the picked point, else what the camera is aimed at"},
             std::tuple{"middle drag", "pan", ""}, std::tuple{"wheel", "dolly", "towards what the camera is aimed at"},
             std::tuple{"left click", "pick", "a pixel's values in every layer"},
             std::tuple{"right click", "reset", "a parameter to its default"},

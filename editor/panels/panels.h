@@ -18,14 +18,19 @@ void draw_reference_panel(Editor& editor);
 void draw_slices_panel(Editor& editor);
 void draw_help(Editor& editor);
 void draw_dialogs(Editor& editor);
+// A small field for a pixel's numbers, while it is asked for.
+void draw_go_to_pixel(Editor& editor);
 
 // The inspected pixel's samples and slices over the picture, which has these window pixels.
 void draw_samples(Editor& editor, float x, float y, float width, float height);
 
-// The controls under a picture of floats: channel, range, false colours.
-void draw_look(const std::string& id, ui::PictureLook& look, bool& auto_range, bool floats);
-// Smallest and largest number of the channels that are shown.
-void fit_range(const live::Pixels& pixels, ui::PictureLook& look);
+// The picture in its place, which has these window pixels, and what it is compared with; the choice of that.
+void draw_compared(Editor& editor, float x, float y, float width, float height, void* scene,
+                   const ui::PictureLook& look);
+void draw_compare_tools(Editor& editor);
+
+// The controls of a picture of floats: channels, range, colours.
+void draw_look(const std::string& id, const live::Pixels& pixels, ui::PictureLook& look, bool& auto_range);
 
 // An image as it is after a pass, for the viewport: `resource`, or what the pass writes first. None: there is none.
 std::optional<Preview> preview_after(const Editor& editor, const std::string& pass, const std::string& resource = {});

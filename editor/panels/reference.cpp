@@ -60,7 +60,7 @@ void draw_map(Editor& editor, ui::PictureId id, const char* name, float width) {
   const LiveSplit::Result& p = editor.reference.parts;
   Preview preview{fmt::format("{} error, white = {:.3g}", name, p.range),
                   id,
-                  {.show = ui::Show::FalseColor, .low = 0, .high = p.range}};
+                  {.map = ui::Map::FalseColor, .low = 0, .high = p.range}};
   const ImVec2 size(width, std::max(width * float(p.size.y) / float(std::max(p.size.x, 1u)), 1.0f));
   ImGui::BeginGroup();
   if (void* picture = editor.pictures->show(id, preview.look))

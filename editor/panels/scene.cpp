@@ -48,6 +48,21 @@ bool draw_sun_direction(const std::string& id, glm::vec3& direction) {
   return changed;
 }
 
+// Round the vertical, and up and down. Not quite to the poles, where the first would be lost.
+void draw_aim(const std::string& id, glm::vec3& direction) {
+  const glm::vec3 d = glm::normalize(direction);
+  float turn = std::atan2(d.x, -d.z) * degrees, tilt = std::asin(std::clamp(d.y, -1.0f, 1.0f)) * degrees;
+  bool changed = ui::slider(id + ".turn", "turn", turn, -180, 180, "%.1f deg");
+  ui::tooltip("Where it is aimed, round the vertical: 0 is along -Z, 90 along +X");
+  changed |= ui::slider(id + ".tilt", "tilt", tilt, -89.9f, 89.9f, "%.1f deg");
+  ui::tooltip("Where it is aimed: -90 is down");
+  if (changed) {
+    const float a = turn / degrees, e = tilt / degrees;
+    direction = {std::sin(a) * std::cos(e), std::sin(e), -std::cos(a) * std::cos(e)};
+  }
+  ui::note(id + ".direction", fmt::format("{:.3f} {:.3f} {:.3f}", direction.x, direction.y, direction.z));
+}
+
 void draw_lights(Editor& editor) {
   live::SceneLights& lights = editor.document.lights;
   for (size_t i = 0; i < lights.directional.size(); ++i) {
@@ -77,7 +92,9 @@ void draw_lights(Editor& editor) {
     const bool spot = lamp.outer_cone < 3.14f;
     ImGui::PushID(int(1000 + i));
     const std::string id = fmt::format("scene.lamp.{}", i);
-    if (ImGui::TreeNode("lamp", "%s %zu  %.1f W/sr", spot ? "spot" : "point", i, double(lamp.intensity))) {
+    const bool open = ImGui::TreeNode("lamp", "%s %zu  %.1f W/sr", spot ? "spot" : "point", i, double(lamp.intensity));
+    ui::note(id, spot ? "spot" : "point");
+    if (open) {
       ImGui::PushItemWidth(-ImGui::GetFontSize() * 4);
       ImGui::DragFloat3("at", &lamp.position.x, 0.02f);
       ui::note(id + ".position", fmt::format("{:g} {:g} {:g}", lamp.position.x, lamp.position.y, lamp.position.z));
@@ -85,11 +102,18 @@ void draw_lights(Editor& editor) {
       ui::color(id + ".color", "colour", &lamp.color.x);
       ui::slider(id + ".radius", "radius", lamp.radius, 0, 1, "%.3f m");
       if (spot) {
-        float outer = lamp.outer_cone * degrees;
+        float outer = lamp.outer_cone * degrees, inner = lamp.inner_cone * degrees;
         if (ui::slider(id + ".cone", "cone", outer, 1, 89, "%.1f deg")) {
           lamp.outer_cone = outer / degrees;
           lamp.inner_cone = std::min(lamp.inner_cone, lamp.outer_cone);
         }
+        ui::tooltip("Half the angle of the cone, outside of which it is dark");
+        if (ui::slider(id + ".inner", "inner", inner, 0, 89, "%.1f deg")) {
+          lamp.inner_cone = inner / degrees;
+          lamp.outer_cone = std::max(lamp.inner_cone, lamp.outer_cone);
+        }
+        ui::tooltip("Half the angle of the cone in which it is at its full intensity");
+        draw_aim(id, lamp.direction);
       }
       ImGui::PopItemWidth();
       if (ui::button(id + ".here", "to the camera", "Where the camera stands, aimed as it looks")) {
@@ -107,12 +131,22 @@ void draw_lights(Editor& editor) {
     }
     ImGui::PopID();
   }
-  if (ui::button("scene.add_point", "add point light", "Where the camera is aimed, one metre before what it orbits")) {
+  if (ui::button("scene.add_point", "add point", "Where the camera is aimed, one metre before what it orbits")) {
     scene::PunctualLight lamp;
     lamp.position = editor.view.camera.position +
                     glm::normalize(editor.view.camera.forward) *
                         std::max(glm::length(editor.view.target - editor.view.camera.position) - 1, 0.5f);
     lamp.intensity = 10;
+    lights.punctual.push_back(lamp);
+  }
+  ImGui::SameLine();
+  if (ui::button("scene.add_spot", "add spot", "Where the camera stands, aimed as it looks")) {
+    scene::PunctualLight lamp;
+    lamp.position = editor.view.camera.position;
+    lamp.direction = glm::normalize(editor.view.camera.forward);
+    lamp.intensity = 50;
+    lamp.outer_cone = 30 / degrees;
+    lamp.inner_cone = 20 / degrees;
     lights.punctual.push_back(lamp);
   }
   ImGui::SameLine();
@@ -180,7 +214,7 @@ void draw_scene_panel(Editor& editor) {
                       static_cast<unsigned long long>(s.triangles), s.instances, s.materials, s.textures);
   if (ImGui::CollapsingHeader("Cameras", ImGuiTreeNodeFlags_DefaultOpen)) draw_cameras(editor);
   if (ImGui::CollapsingHeader("Lights", ImGuiTreeNodeFlags_DefaultOpen)) draw_lights(editor);
-  if (ImGui::CollapsingHeader("Clock", ImGuiTreeNodeFlags_DefaultOpen)) {
+  if (ImGui::CollapsingHeader("Time", ImGuiTreeNodeFlags_DefaultOpen)) {
     if (ui::button("scene.play", editor.wanted.playing ? "pause" : "play", "Space"))
       editor.wanted.playing = !editor.wanted.playing;
     ImGui::SameLine();
@@ -190,6 +224,14 @@ void draw_scene_panel(Editor& editor) {
     if (ui::checkbox("scene.fixed", "fixed 1/60 s", fixed,
                      "Each frame is 1/60 s however long it takes; else as the wall clock"))
       editor.wanted.step = fixed ? 1.0 / 60 : 0;
+    ui::checkbox("scene.freeze_history", "freeze history", editor.freeze.history,
+                 "What frames accumulate stays as it is now: new frames read it and leave nothing behind. A changed "
+                 "parameter, light or size begins another history first");
+    ui::checkbox(
+        "scene.freeze_noise", "freeze noise and jitter", editor.freeze.noise,
+        "Every frame takes the samples that the last one took. Where nothing averages frames they do so anyway");
+    ui::checkbox("scene.freeze_culling", "freeze culling", editor.freeze.culling,
+                 "What this camera does not see is not drawn, wherever one looks from; shadows are not concerned");
     ImGui::Text("%.3f s", editor.scene_time);
     ui::note("scene.time", fmt::format("{:.4f}", editor.scene_time));
     if (s.clips.empty())

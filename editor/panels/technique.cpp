@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <imgui.h>
 
+#include "gi/param_sources.h"
 #include "panels/panels.h"
 #include "ui/widgets.h"
 
@@ -56,7 +57,7 @@ void draw_block(Editor& editor, const ParamBlock& block) {
   if (!open) return;
   for (const Param& row : block.table->params)
     if (matches(editor.search, block, row) && (!editor.changed_only || ui::is_changed(block, row)))
-      ui::param(block, row);
+      ui::param(block, row, passes::param_source(block.table->prefix, row.name));
 }
 
 }  // namespace
@@ -98,7 +99,9 @@ void draw_technique_panel(Editor& editor) {
   ui::tooltip("Presets that follow others' published formulas; Ctrl+S saves yours, Ctrl+O or a drop opens one");
 
   ImGui::Separator();
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float box = ImGui::GetFrameHeight() + style.ItemInnerSpacing.x + ImGui::CalcTextSize("changed").x;
+  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - box - style.ItemSpacing.x, 1.0f));
   ui::text_input("technique.search", "search parameters", editor.search);
   ImGui::SameLine();
   ui::checkbox("technique.changed_only", "changed", editor.changed_only, "Show only what differs from its default");

@@ -195,8 +195,15 @@ void draw_timings_panel(Editor& editor) {
     t.baseline["frame"] = float(statistics_of(t.frame_ms, size_t(timing_windows[t.window])).median);
   }
   ImGui::SameLine();
-  if (ui::button("timings.capture", "capture to files", "JSON, CSV and a trace of these frames (Ctrl+T)"))
+  if (ui::button("timings.capture", editor.recording ? "stop and write" : "capture to files",
+                 "JSON, CSV and a trace of so many frames; the renderer goes on until there are enough (Ctrl+T)"))
     editor.capture_asked = true;
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 6);
+  int& most = editor.preferences.capture_frames;
+  if (ImGui::InputInt("##frames", &most, 0)) most = std::clamp(most, 1, int(TimingHistory::limit));
+  ui::note("timings.capture_frames", fmt::format("{}", most));
+  ui::tooltip("Frames of a capture");
   ImGui::SameLine();
   if (editor.software) ui::chip("timings.software", "software device: CPU times", IM_COL32(240, 200, 90, 255));
   draw_history(editor);

@@ -31,7 +31,7 @@ constexpr bool has_image(uint32_t kind) {
 constexpr bool has_table(uint32_t kind) {
   return kind != Image;
 }
-enum Flag : uint32_t { Nearest = 1, Srgb = 2, MarkOutside = 4, Relative = 8 };
+enum Flag : uint32_t { Nearest = 1, Srgb = 2, MarkOutside = 4, Relative = 8, Logarithmic = 16 };
 constexpr float least_reference = 0.01f;  // as ui_picture.frag
 
 }  // namespace
@@ -84,6 +84,8 @@ void Renderer::set_words(PictureId id, glm::uvec2 size, bool floats, const void*
   Picture& picture = pictures_[size_t(id)];
   picture.size = size;
   picture.floats = floats;
+  picture.channels = 4;
+  picture.version = ++versions_;
   picture.image = nullptr;
   picture.words.resize(size_t(size.x) * size.y * (floats ? 4 : 1));
   std::memcpy(picture.words.data(), data, picture.words.size() * 4);
@@ -93,17 +95,20 @@ void Renderer::set_picture(PictureId id, glm::uvec2 size, std::span<const uint8_
   NF_CHECK(rgba.size() == size_t(size.x) * size.y * 4, "{} bytes for {}x{}", rgba.size(), size.x, size.y);
   set_words(id, size, false, rgba.data());
 }
-void Renderer::set_picture(PictureId id, glm::uvec2 size, std::span<const float> rgba) {
+void Renderer::set_picture(PictureId id, glm::uvec2 size, std::span<const float> rgba, uint32_t channels) {
   NF_CHECK(rgba.size() == size_t(size.x) * size.y * 4, "{} floats for {}x{}", rgba.size(), size.x, size.y);
   set_words(id, size, true, rgba.data());
+  pictures_[size_t(id)].channels = channels;
 }
 
 void Renderer::set_picture(PictureId id, const gpu::LentImage& image) {
-  pictures_[size_t(id)] = {.size = {image.image.info.extent.width, image.image.info.extent.height}, .image = &image};
+  pictures_[size_t(id)] = {
+      .size = {image.image.info.extent.width, image.image.info.extent.height}, .version = ++versions_, .image = &image};
 }
 
 void Renderer::adopt(Renderer& other) {
   pictures_ = std::move(other.pictures_);
+  versions_ = other.versions_;
   for (Picture& picture : pictures_) {
     if (picture.image) picture = {};
     picture.changed = true;
@@ -117,6 +122,7 @@ bool Renderer::copy(PictureId from, PictureId to) {
     set_picture(to, picture.size, std::span<const uint8_t>(texels(from)));
   } else {
     pictures_[size_t(to)] = picture;
+    pictures_[size_t(to)].version = ++versions_;
     pictures_[size_t(to)].changed = true;
   }
   return true;
@@ -136,6 +142,15 @@ std::vector<uint8_t> Renderer::texels(PictureId id) {
   return out;
 }
 
+std::vector<float> Renderer::floats(PictureId id) const {
+  const Picture& picture = pictures_[size_t(id)];
+  std::vector<float> out;
+  if (!picture.floats) return out;
+  out.resize(picture.words.size());
+  std::memcpy(out.data(), picture.words.data(), out.size() * 4);
+  return out;
+}
+
 std::optional<glm::u8vec4> Renderer::texel(PictureId id, glm::uvec2 at) {
   const Picture& picture = pictures_[size_t(id)];
   if (picture.floats || at.x >= picture.size.x || at.y >= picture.size.y) return std::nullopt;
@@ -151,16 +166,16 @@ std::optional<glm::u8vec4> Renderer::texel(PictureId id, glm::uvec2 at) {
 void* Renderer::show(PictureId id, const PictureLook& look) {
   const Picture& picture = pictures_[size_t(id)];
   if (picture.words.empty() && !picture.image) return nullptr;
-  shown_.push_back(
-      {.kind = picture.image    ? Image
-               : picture.floats ? Floats
-                                : Bytes,
-       .first = uint32_t(id),
-       .size = picture.size,
-       .show = uint32_t(look.show),
-       .flags = (look.nearest ? Nearest : 0u) | (look.srgb ? Srgb : 0u) | (look.mark_outside ? MarkOutside : 0u),
-       .low = look.low,
-       .high = look.high});
+  shown_.push_back({.kind = picture.image    ? Image
+                            : picture.floats ? Floats
+                                             : Bytes,
+                    .first = uint32_t(id),
+                    .size = picture.size,
+                    .show = uint32_t(look.channels) | uint32_t(look.map) << 4,
+                    .flags = (look.nearest ? Nearest : 0u) | (look.srgb ? Srgb : 0u) |
+                             (look.mark_outside ? MarkOutside : 0u) | (look.logarithmic ? Logarithmic : 0u),
+                    .low = look.low,
+                    .high = look.high});
   return reinterpret_cast<void*>(shown_.size() - 1);
 }
 

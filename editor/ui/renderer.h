@@ -23,6 +23,7 @@ enum class PictureId : uint8_t {
   Scene,
   Reference,
   SlotA,
+  Flip,
   Texture,
   Preview,
   SplitTotal,
@@ -31,13 +32,17 @@ enum class PictureId : uint8_t {
   Count
 };
 
-enum class Show : uint32_t { Rgb, Red, Green, Blue, Alpha, FalseColor };
+enum Channel : uint8_t { Red = 1, Green = 2, Blue = 4, Alpha = 8, Rgb = 7 };
+// The colours of a single number; all but grey show the first channel that is on, however many are.
+enum class Map : uint8_t { Grey, Viridis, Diverging, FalseColor };
 
-// How a picture is shown. Bytes are shown as they are; floats by range, channel and false colours.
+// How a picture is shown. Bytes are shown as they are; floats by channels, range and colours.
 struct PictureLook {
-  Show show = Show::Rgb;
+  uint8_t channels = Rgb;
+  Map map = Map::Grey;
   float low = 0, high = 1;
-  bool nearest = false, srgb = false, mark_outside = false;
+  bool nearest = false, srgb = false, mark_outside = false, logarithmic = false;
+  uint8_t chosen_for = 0;  // how many channels the picture had that `channels` was chosen for
 };
 
 class Renderer {
@@ -51,7 +56,8 @@ class Renderer {
   void set_font(ImFontAtlas& atlas);
   // RGBA8 texels or four floats a texel, rows tightly packed.
   void set_picture(PictureId id, glm::uvec2 size, std::span<const uint8_t> rgba);
-  void set_picture(PictureId id, glm::uvec2 size, std::span<const float> rgba);
+  // Of the floats the first `channels` mean something.
+  void set_picture(PictureId id, glm::uvec2 size, std::span<const float> rgba, uint32_t channels = 4);
   // An RGBA8 image, which has to stay as it is until the picture is set again. One picture at a time may be one.
   void set_picture(PictureId id, const gpu::LentImage& image);
   // All that `other` keeps in host memory: for a renderer that takes its place on another device.
@@ -62,7 +68,12 @@ class Renderer {
   std::vector<uint8_t> texels(PictureId id);
   // One of them, to be asked for in every frame: an image's comes with the next.
   std::optional<glm::u8vec4> texel(PictureId id, glm::uvec2 at);
+  std::vector<float> floats(PictureId id) const;
   glm::uvec2 size_of(PictureId id) const { return pictures_[size_t(id)].size; }
+  bool has_floats(PictureId id) const { return pictures_[size_t(id)].floats; }
+  uint32_t channels_of(PictureId id) const { return pictures_[size_t(id)].channels; }
+  // Another number for each picture that was ever set; 0: none was.
+  uint64_t version_of(PictureId id) const { return pictures_[size_t(id)].version; }
 
   // For ImGui::Image(), good until the end of this frame.
   void* show(PictureId id, const PictureLook& look = {});
@@ -74,6 +85,8 @@ class Renderer {
 
   // Renders and waits: RGBA8 texels of `size`, good until the next call.
   std::span<const std::byte> draw(const ImDrawData& data, glm::uvec2 size);
+  // Its programs anew, those of them that depend on these files; empty: all.
+  gpu::Reload reload(const std::vector<std::string>& changed) { return pipelines_->reload(changed); }
   double last_ms() const { return last_ms_; }
   gpu::Device& device() { return device_; }
 
@@ -81,6 +94,8 @@ class Renderer {
   struct Picture {
     glm::uvec2 size{0};
     bool floats = false;
+    uint32_t channels = 4;
+    uint64_t version = 0;
     std::vector<uint32_t> words;
     const gpu::LentImage* image = nullptr;  // instead of words
     uint32_t first = 0;                     // in the buffer
@@ -90,7 +105,7 @@ class Renderer {
   struct DrawRow {
     uint32_t kind = 0, first = 0, second = 0;
     glm::uvec2 size{0}, second_size{0};
-    uint32_t show = 0, flags = 0;
+    uint32_t show = 0, flags = 0;  // of floats: channels, from bit 4 on the map
     float low = 0, high = 1;
   };
   struct Command {
@@ -117,6 +132,7 @@ class Renderer {
   gpu::Image font_;
   gpu::Buffer vertices_, indices_, draws_, texels_;
   std::array<Picture, size_t(PictureId::Count)> pictures_;
+  uint64_t versions_ = 0;
   std::vector<DrawRow> shown_;  // row 0 is text
   std::vector<Command> commands_;
   std::vector<graph::Readback> readbacks_;

@@ -174,10 +174,24 @@ bool Script::run(const json& line, const json& state, InputQueue& input, double)
     const int button = line.value("button", 0);
     input.push({.kind = InputKind::Move, .x = p->first, .y = p->second});
     if (line.contains("hover")) return true;
-    if (line.value("ctrl", false))
-      input.push({.kind = InputKind::Key, .code = GLFW_KEY_LEFT_CONTROL, .down = true, .mods = mod_ctrl});
+    const auto modifier = [&](bool down) {
+      if (line.value("ctrl", false))
+        input.push({.kind = InputKind::Key, .code = GLFW_KEY_LEFT_CONTROL, .down = down, .mods = mod_ctrl});
+      if (line.value("alt", false))
+        input.push({.kind = InputKind::Key, .code = GLFW_KEY_LEFT_ALT, .down = down, .mods = mod_alt});
+    };
+    modifier(true);
     for (int n = 0; n < line.value("count", 1); ++n) {
       input.push({.kind = InputKind::Button, .code = button, .down = true});
+      // Keys that go down and up while the button is held.
+      if (line.contains("holding")) {
+        const Chord chord = parse_chord(line.at("holding"));
+        if (chord.mods & mod_ctrl)
+          input.push({.kind = InputKind::Key, .code = GLFW_KEY_LEFT_CONTROL, .down = true, .mods = mod_ctrl});
+        for (const bool down : {true, false})
+          input.push({.kind = InputKind::Key, .code = chord.key, .down = down, .mods = chord.mods});
+        if (chord.mods & mod_ctrl) input.push({.kind = InputKind::Key, .code = GLFW_KEY_LEFT_CONTROL, .down = false});
+      }
       if (line.contains("drag")) {
         const float dx = line.at("by").at(0), dy = line.at("by").at(1);
         for (int i = 1; i <= 4; ++i)
@@ -185,7 +199,7 @@ bool Script::run(const json& line, const json& state, InputQueue& input, double)
       }
       input.push({.kind = InputKind::Button, .code = button, .down = false});
     }
-    if (line.value("ctrl", false)) input.push({.kind = InputKind::Key, .code = GLFW_KEY_LEFT_CONTROL, .down = false});
+    modifier(false);
     // Away at once, as hands are: the click must count all the same.
     if (line.value("leave", false)) input.push({.kind = InputKind::Move, .x = 1, .y = 1});
     return true;
@@ -224,6 +238,7 @@ bool Script::run(const json& line, const json& state, InputQueue& input, double)
     }
     return host_.screenshot(line.at("screenshot"), part), true;
   }
+  if (line.contains("drop_barrier")) return host_.drop_barrier(), true;
   if (line.contains("lose_device")) return host_.lose_device(line.at("lose_device")), true;
   if (line.contains("quit")) return host_.quit(), true;
   if (line.contains("edit")) {

@@ -3,7 +3,8 @@
 //
 //   {"wait": "scene_frames >= 1"}             until it is true, "timeout" seconds at most (default 60)
 //   {"click": "technique.combo"}              "button": 1 for the right one; "at": [x, y] in shares of the widget
-//   {"drag": "viewport.wipe", "by": [80, 0]}  pixels
+//   {"drag": "viewport.wipe", "by": [80, 0]}  pixels; "ctrl", "alt": true; "holding": "ctrl+s", while the button is
+//   down
 //   {"hover": id}, {"wheel": 2, "over": id}, {"type": "text"}, {"key": "ctrl+z"}
 //   {"expect": "params.gi.radius == 2"}       false ends the script with a failure
 //   {"keep": "before", "of": "picture_hash"}  later: {"expect": "picture_hash != $before"}
@@ -11,6 +12,7 @@
 //   {"drop": path}, {"resize": [w, h]}, {"display_scale": 2}
 //   {"screenshot": path}                      "of": only what is within this widget, "above": a share of its height
 //   {"edit": path, "replace": [from, to]}     changes a file, as another program would
+//   {"drop_barrier": true}                    the next frame lacks one: validation has something to say
 //   {"lose_device": "renderer"}, {"lose_device": "window"}, {"quit": true}
 //
 // Conditions are `path op value`, joined by `&&`; a path's parts are keys of the state, which may hold dots.
@@ -37,7 +39,7 @@ class Script {
   struct Host {
     std::function<void(const std::string& path, glm::ivec4 part)> screenshot;  // x, y, width, height
     std::function<void(const std::string& whose)> lose_device;
-    std::function<void()> quit;
+    std::function<void()> drop_barrier, quit;
   };
   // Throws nf::Error (Exit::Input) naming the line that is wrong.
   Script(const std::string& path, Host host);

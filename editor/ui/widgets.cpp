@@ -146,7 +146,7 @@ bool is_changed(const ParamBlock& block, const Param& row) {
   return params::format(row, params::get(*block.table, block.data, row)) != params::format(row, row.default_value);
 }
 
-bool param(const ParamBlock& block, const Param& row) {
+bool param(const ParamBlock& block, const Param& row, std::string_view source) {
   const std::string id = fmt::format("{}.{}", block.table->prefix, row.name);
   const double before = params::get(*block.table, block.data, row);
   double now = before;
@@ -219,7 +219,10 @@ bool param(const ParamBlock& block, const Param& row) {
     ImGui::TextDisabled("%sdefault %s; right click resets", range.c_str(),
                         params::format(row, row.default_value).c_str());
     ImGui::TextUnformatted(row.help);
+    if (!source.empty()) ImGui::TextDisabled("%s", std::string(source).c_str());
     ImGui::PopTextWrapPos();
+    const ImVec2 low = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    note_area("tooltip.param", low.x, low.y, size.x, size.y, fmt::format("{} {}", id, source));
     ImGui::EndTooltip();
   }
   ImGui::PopID();

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/params.h"
@@ -51,8 +52,8 @@ void tooltip(const std::string& text);
 bool wants_tooltip();
 
 // One parameter's row: name, a dot when it is not at its default, widget, unit; right click resets; the tooltip has id,
-// range, default and help. Returns whether the value changed.
-bool param(const ParamBlock& block, const Param& row);
+// range, default, help and where the parameter comes from, if anywhere. Returns whether the value changed.
+bool param(const ParamBlock& block, const Param& row, std::string_view source = {});
 bool is_changed(const ParamBlock& block, const Param& row);
 
 }  // namespace nf::editor::ui

@@ -18,8 +18,12 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT
                                           VkDebugUtilsMessageTypeFlagsEXT,
                                           const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   std::string where;
-  for (uint32_t i = 0; i < data->cmdBufLabelCount; ++i)
-    where += fmt::format(" [{}]", data->pCmdBufLabels[i].pLabelName);
+  for (uint32_t i = 0; i < data->cmdBufLabelCount; ++i) {
+    const std::string label = fmt::format(" [{}]", data->pCmdBufLabels[i].pLabelName);
+    if (!where.ends_with(label)) where += label;  // the layer tells one twice
+  }
+  // What no command buffer is at: a pipeline that is made, a submission.
+  if (where.empty() && !Doing::current().empty()) where = fmt::format(" [{}]", Doing::current());
   const std::string text = fmt::format("validation{}: {}", where, data->pMessage);
   if (severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT)
     log::error("{}", text);

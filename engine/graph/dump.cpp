@@ -2,6 +2,7 @@
 #include "graph/dump.h"
 
 #include <algorithm>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 namespace nf::graph {
@@ -47,12 +48,6 @@ std::string stages_text(VkPipelineStageFlags2 stages) {
   return text.empty() ? "none" : text;
 }
 
-// "name" of a resource; the two sides of a history are told apart.
-std::string resource_name(const Graph& graph, uint16_t resource) {
-  const ResourceRow& row = graph.resources[resource];
-  return row.lifetime == Lifetime::HistoryPrev ? fmt::format("{}.prev", row.name) : row.name;
-}
-
 // " mip 2, layers 0-5" of what is not the whole image.
 std::string part_text(const ResourceRow& row, const Part& part) {
   if (row.is_buffer) return "";
@@ -80,6 +75,16 @@ const char* format_text(const ResourceRow& row) {
 constexpr double mib = 1048576.0;
 
 }  // namespace
+
+std::string resource_name(const Graph& graph, uint16_t resource) {
+  const ResourceRow& row = graph.resources[resource];
+  const bool previous = row.lifetime == Lifetime::HistoryPrev;
+  const auto same = [&](const ResourceRow& other) {
+    return !std::strcmp(other.name, row.name) && (other.lifetime == Lifetime::HistoryPrev) == previous;
+  };
+  const auto before = std::count_if(graph.resources.begin(), graph.resources.begin() + resource, same);
+  return fmt::format("{}{}{}", row.name, previous ? ".prev" : "", before ? fmt::format(" #{}", before + 1) : "");
+}
 
 nlohmann::json to_json(const Graph& graph, const Plan& plan) {
   json passes = json::array(), resources = json::array(), histories = json::array(), heaps = json::array();

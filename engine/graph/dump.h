@@ -8,6 +8,9 @@
 
 namespace nf::graph {
 
+// Told apart: the two sides of a history, and images that share a name ("denoise.state #2" is the second of them).
+std::string resource_name(const Graph& graph, uint16_t resource);
+
 nlohmann::json to_json(const Graph& graph, const Plan& plan);
 std::string to_text(const Graph& graph, const Plan& plan);
 // Graphviz: boxes are passes, ellipses resources; culled passes are grey.

@@ -305,9 +305,11 @@ void Executor::record_readback(const Graph& graph, uint32_t pass, VkCommandBuffe
     vkCmdCopyBuffer(commands, buffer(graph, use.resource), host, 1, &region);
   } else {
     const gpu::Image& source = physical(graph, use.resource).image;
-    const Size size = size_of(graph.resources[use.resource].desc, use.part.mip);
+    const PassRow& row = graph.passes[pass];
+    const Size size = row.one_texel ? Size{} : size_of(graph.resources[use.resource].desc, use.part.mip);
     const VkBufferImageCopy region{
         .imageSubresource = {gpu::aspect_of(source.info.format), use.part.mip, use.part.layer, 1},
+        .imageOffset = {int32_t(row.texel.x), int32_t(row.texel.y), 0},
         .imageExtent = {size.width, size.height, 1}};
     vkCmdCopyImageToBuffer(commands, source.handle, access_of(use.use, PassKind::Readback, real.plan.layouts).layout,
                            host, 1, &region);

@@ -26,7 +26,16 @@ void Executor::run(const Graph& graph, const ExecuteOptions& execute) {
   select_plan(graph);
   RealPlan& real = plans_[current_];
   const Plan& plan = real.plan;
-  parity_ = 1 - parity_;
+  // Behind a run that held, the sides are not where the plan expects them.
+  if (held_)
+    switched_ = true;
+  else
+    parity_ = 1 - parity_;
+  held_ = execute.hold_histories;
+  for (uint16_t r = 0; r < graph.resources.size(); ++r) {
+    const ResourceRow& row = graph.resources[r];
+    if (row.lifetime == Lifetime::HistoryPrev && plan.resources[r].live) held_ &= row.valid;
+  }
   real.last_run = ++runs_;
   graph_ = &graph;
 
@@ -52,6 +61,7 @@ void Executor::run(const Graph& graph, const ExecuteOptions& execute) {
   last_counted_ = execute.counts && device_.facts.pipeline_statistics;
   last_submit_ns_ = now_ns();
   last_record_ms_ = (last_submit_ns_ - start_ns) * 1e-6;
+  const Doing doing("submitting the frame");
   ring_.submit(frame, execute.after, execute.then);
   last_ = &frame;
   graph_ = nullptr;

@@ -28,7 +28,10 @@ struct ExecutorOptions {
 
 struct ExecuteOptions {
   gpu::Timing timing = gpu::Timing::Serialize;
-  bool counts = false;             // pipeline statistics of every pass, where the device has them
+  bool counts = false;  // pipeline statistics of every pass, where the device has them
+  // What this frame writes to histories is not kept: the next frame reads what this one read. A frame that reads a
+  // history which is not valid yet does not hold.
+  bool hold_histories = false;
   gpu::TimelinePoint after, then;  // the device waits for the one before the frame, and tells the other after it
   // Test hooks, so that a test can see that validation notices: this barrier of the plan (by row) is left out; this one
   // changes the layout and waits for nothing.
@@ -84,6 +87,8 @@ class Executor {
   std::span<const HistoryState> histories() const { return history_states_; }
   // Forget what was written: the next graph gets invalid histories.
   void invalidate_histories() { history_states_.clear(); }
+  // Whether the last run held them.
+  bool held() const { return held_; }
 
   // Plans (or takes a kept plan), records, submits. Throws nf::Error (Exit::Internal) with all diagnostics of a wrong
   // graph; the plans kept so far stay good. On a device with validation, and in debug builds, each new plan is replayed
@@ -191,6 +196,7 @@ class Executor {
   std::vector<std::unique_ptr<PhysicalHistory>> histories_;  // pointed to
   std::vector<HistoryState> history_states_;
   uint32_t parity_ = 0;  // which side of a history is `next` in this run
+  bool held_ = false;
   std::vector<Retired> retired_;
   const Graph* graph_ = nullptr;  // during run(), for Recorder
   gpu::Frame* last_ = nullptr;

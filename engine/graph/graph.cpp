@@ -334,6 +334,7 @@ uint64_t topology_hash(const Graph& graph) {
     mix(uint64_t(p.kind) << 48 | uint64_t(p.pipeline.id.id) << 32 | uint64_t(p.use_count) << 16 | p.param_count);
     mix(uint64_t(p.over) << 32 | part_bits(p.over_part));
     mix(p.pipeline.interface ? p.pipeline.interface->generation : 0);
+    mix(p.one_texel);
   }
   for (const UseRow& u : graph.uses) {
     mix_text(u.slot);

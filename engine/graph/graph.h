@@ -76,6 +76,11 @@ struct Size {
   bool operator==(const Size&) const = default;
 };
 
+struct Texel {
+  uint32_t x = 0, y = 0;
+  bool operator==(const Texel&) const = default;
+};
+
 struct ImageDesc {
   Size size;
   VkFormat format = VK_FORMAT_UNDEFINED;
@@ -198,6 +203,8 @@ struct PassRow {
   uint32_t threads = 0;                // compute: their number, where no image says it
   uint64_t argument_offset = 0;        // compute with indirect(): bytes
   const gpu::Image* target = nullptr;  // hand_over
+  bool one_texel = false;              // read-back of an image: only this one; another place needs no other plan
+  Texel texel;
   DrawCallback draw;
   Location at;
 };

@@ -1,6 +1,8 @@
 // Probes are rows like any others: compile() finds barriers and lifetimes as if they had been declared there.
 #include "graph/probe.h"
 
+#include <algorithm>
+
 #include "graph/phases.h"
 
 namespace nf::graph {
@@ -39,6 +41,13 @@ std::string probe_fault(const Graph& graph, const Probe& probe) {
                        row.desc.layers, probe.mip, probe.layer);
   if (!row.is_buffer && gpu::texel_bytes(row.desc.format) == 0)
     return fmt::format("'{}' has a format that cannot be read back", row.name);
+  if (probe.texel) {
+    if (row.is_buffer) return fmt::format("'{}' is a buffer: it has no texels", row.name);
+    const Size size = size_of(row.desc, probe.mip);
+    if (probe.texel->x >= size.width || probe.texel->y >= size.height)
+      return fmt::format("'{}' is {}x{} there: it has no texel {}, {}", row.name, size.width, size.height,
+                         probe.texel->x, probe.texel->y);
+  }
   Plan plan;
   find_live_passes(graph, plan);
   if (plan.culled[probe.pass]) return fmt::format("'{}' is culled: nothing in the frame needs it", pass.name);
@@ -68,6 +77,8 @@ std::string add_probe(Graph& graph, const Probe& probe) {
               .use_count = 1,
               .first_param = at < graph.passes.size() ? graph.passes[at].first_param : uint32_t(graph.params.size()),
               .over_part = {},
+              .one_texel = probe.texel.has_value(),
+              .texel = probe.texel.value_or(Texel{}),
               .draw = {},
               .at = here};
   for (uint32_t p = at; p < graph.passes.size(); ++p) ++graph.passes[p].first_use;
@@ -76,6 +87,34 @@ std::string add_probe(Graph& graph, const Probe& probe) {
   graph.passes.insert(graph.passes.begin() + at, row);
   ++graph.readbacks;
   return {};
+}
+
+std::vector<Probe> last_states(const Graph& graph, size_t resources) {
+  Plan plan;
+  find_live_passes(graph, plan);
+  constexpr uint32_t never = ~0u;
+  std::vector<Probe> out;
+  for (uint16_t r = 0; r < std::min(resources, graph.resources.size()); ++r) {
+    const ResourceRow& row = graph.resources[r];
+    if (row.is_buffer || row.lifetime == Lifetime::Imported || gpu::texel_bytes(row.desc.format) == 0) continue;
+    uint32_t used = never;
+    std::vector<uint32_t> written(cell_count(row), never);
+    for (uint32_t p = 0; p < graph.passes.size(); ++p)
+      for (const UseRow& use : graph.uses_of(graph.passes[p])) {
+        if (use.resource != r || plan.culled[p]) continue;
+        used = p;
+        if (writes(use.use)) for_each_cell(row, use.part, [&](uint32_t c) { written[c] = p; });
+      }
+    const bool kept = row.lifetime == Lifetime::HistoryPrev || row.lifetime == Lifetime::Kept;
+    for (uint32_t c = 0; c < written.size(); ++c) {
+      const uint32_t pass = written[c] == never && kept ? used : written[c];
+      if (pass == never) continue;
+      out.push_back(
+          {.pass = pass, .resource = r, .mip = uint8_t(c % row.desc.mips), .layer = uint8_t(c / row.desc.mips)});
+    }
+  }
+  std::stable_sort(out.begin(), out.end(), [](const Probe& a, const Probe& b) { return a.pass < b.pass; });
+  return out;
 }
 
 const Readback* find_readback(std::span<const Readback> readbacks, std::string_view name) {

@@ -116,7 +116,7 @@ void Executor::realize(const Graph& graph, RealPlan& real) {
     if (pass.kind != PassKind::Readback) continue;
     const UseRow& use = graph.uses[pass.first_use];
     const ResourceRow& row = graph.resources[use.resource];
-    ReadbackRow back{{size_of(row.desc, use.part.mip), row.desc.format}, {}};
+    ReadbackRow back{{pass.one_texel ? Size{} : size_of(row.desc, use.part.mip), row.desc.format}, {}};
     const uint64_t bytes =
         row.is_buffer ? row.bytes
                       : uint64_t(back.desc.size.width) * back.desc.size.height * gpu::texel_bytes(row.desc.format);

@@ -55,6 +55,21 @@ Rgb8 heat_color(float t) {
   return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
 }
 
+// The fit is Matt Zucker's (shadertoy.com/view/WlfXRN, CC0).
+Rgb8 magma_color(float t) {
+  static constexpr float c[3][7] = {
+      {-0.002136485f, 0.251660541f, 8.353717279f, -27.668733086f, 52.176139812f, -50.768525365f, 18.655705066f},
+      {-0.000749655f, 0.677523244f, -3.577719515f, 14.264730781f, -27.943606072f, 29.046582821f, -11.489773520f},
+      {-0.005386128f, 2.494026599f, 0.314467903f, -13.649213188f, 12.944169442f, 4.234152994f, -5.601961509f}};
+  const float x = std::isnan(t) ? 1.0f : std::clamp(t, 0.0f, 1.0f);
+  const auto channel = [&](const float* k) {
+    float sum = 0;
+    for (int i = 6; i >= 0; --i) sum = sum * x + k[i];
+    return uint8_t(std::lround(255 * std::clamp(sum, 0.0f, 1.0f)));
+  };
+  return {channel(c[0]), channel(c[1]), channel(c[2])};
+}
+
 Image8 heat_picture(const Image& map, const std::vector<uint8_t>& mask, float range) {
   const uint32_t scale = std::max(1u, map.width / 400), bar = 6 * scale, foot = bar + 9 * scale;
   Image8 out{map.width, map.height + foot, 3, {}};

@@ -94,5 +94,7 @@ struct Rgb8 {
   uint8_t r, g, b;
 };
 Rgb8 heat_color(float t);
+// The colours in which FLIP is shown: matplotlib's magma, as a polynomial that is within 0.03 of its table.
+Rgb8 magma_color(float t);
 
 }  // namespace nf::image

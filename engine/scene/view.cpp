@@ -258,6 +258,10 @@ View parse_view(const json& value, const std::string& file, const std::filesyste
   return view;
 }
 
+Camera parse_camera(const json& value, const std::string& file, const std::string& at) {
+  return read_camera(Reader(file, value, at));
+}
+
 View load_view(const std::filesystem::path& path) {
   return parse_view(read_json(path.string()), path.string(), path.parent_path());
 }

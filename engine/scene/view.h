@@ -32,6 +32,9 @@ View parse_view(const nlohmann::json& value, const std::string& file, const std:
 // A map's path is written relative to `folder` where it lies in it, else absolute. Throws nf::Error (Exit::Output) for
 // a map that came from no file.
 nlohmann::json to_json(const View& view, const std::filesystem::path& folder);
+// One camera: a view's "camera".
+Camera parse_camera(const nlohmann::json& value, const std::string& file, const std::string& at);
+nlohmann::json to_json(const Camera& camera);
 void apply_view(const View& view, Scene& scene);
 
 // What --view means: a .json file, a camera's name, or its number; empty = the scene's first camera, or a framing of

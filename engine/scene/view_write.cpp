@@ -18,17 +18,6 @@ json vector(vec3 v) {
   return {number(v.x), number(v.y), number(v.z)};
 }
 
-json write_camera(const Camera& camera) {
-  // Far enough from the eye that rounding the target does not turn the view.
-  const float distance = std::max(glm::length(camera.position), 1.0f);
-  return {{"position", vector(camera.position)},
-          {"target", vector(camera.position + camera.forward * distance)},
-          {"up", vector(camera.up)},
-          {"vfov_deg", number(glm::degrees(camera.vfov))},
-          {"near", number(camera.near)},
-          {"far", number(camera.far)}};
-}
-
 json write_environment(const Environment& e, const fs::path& folder) {
   if (e.kind == EnvironmentKind::Gradient)
     return {{"zenith", vector(e.zenith)}, {"horizon", vector(e.horizon)}, {"ground", vector(e.ground)}};
@@ -46,9 +35,20 @@ json write_environment(const Environment& e, const fs::path& folder) {
 
 }  // namespace
 
+json to_json(const Camera& camera) {
+  // Far enough from the eye that rounding the target does not turn the view.
+  const float distance = std::max(glm::length(camera.position), 1.0f);
+  return {{"position", vector(camera.position)},
+          {"target", vector(camera.position + camera.forward * distance)},
+          {"up", vector(camera.up)},
+          {"vfov_deg", number(glm::degrees(camera.vfov))},
+          {"near", number(camera.near)},
+          {"far", number(camera.far)}};
+}
+
 json to_json(const View& view, const fs::path& folder) {
   json out = json::object();
-  if (view.camera) out["camera"] = write_camera(*view.camera);
+  if (view.camera) out["camera"] = to_json(*view.camera);
   if (view.directional) {
     out["directional"] = json::array();
     for (const DirectionalLight& l : *view.directional)

@@ -1,6 +1,12 @@
 # The editor. Scripts drive it without a window; tests/gui/window.sh with a real one, where Xvfb and xdotool are there.
 nf_test(gui_test nf_image nf_capture LABELS gui)
 add_dependencies(gui_test nearfield nearfield_scenes)
+nf_test(gui_compare_test nf_editor LABELS gui)
+nf_test(gui_camera_test nf_image LABELS gui)
+nf_test(gui_tools_test nf_image LABELS gui)
+foreach(name gui_compare_test gui_camera_test gui_tools_test)
+  add_dependencies(${name} nearfield nearfield_scenes)
+endforeach()
 nf_test(gpu_handover_test nf_editor nf_gpu_fixture LABELS gui)
 nf_test(editor_test nf_editor LABELS cpu.editor)
 add_test(NAME gui.window COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gui/window.sh ${CMAKE_BINARY_DIR})

@@ -82,6 +82,7 @@ sed -i 's/void main() { nonsense/void main() {/' data/shaders/tonemap.frag
 ui wait 'faults == []'
 
 echo "captured to disk"
+xdotool key ctrl+t  # records; once more: writes what there is
 xdotool key ctrl+t
 for _ in $(seq 100); do
   ls captures/timing-*/trace.json captures/timing-*/frames.csv >/dev/null 2>&1 && break
