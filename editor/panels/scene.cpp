@@ -224,13 +224,18 @@ void draw_scene_panel(Editor& editor) {
     if (ui::checkbox("scene.fixed", "fixed 1/60 s", fixed,
                      "Each frame is 1/60 s however long it takes; else as the wall clock"))
       editor.wanted.step = fixed ? 1.0 / 60 : 0;
-    ui::checkbox("scene.freeze_history", "freeze history", editor.freeze.history,
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted("freeze");
+    ImGui::SameLine();
+    ui::checkbox("scene.freeze_history", "history", editor.freeze.history,
                  "What frames accumulate stays as it is now: new frames read it and leave nothing behind. A changed "
                  "parameter, light or size begins another history first");
+    ImGui::SameLine();
     ui::checkbox(
-        "scene.freeze_noise", "freeze noise and jitter", editor.freeze.noise,
+        "scene.freeze_noise", "noise and jitter", editor.freeze.noise,
         "Every frame takes the samples that the last one took. Where nothing averages frames they do so anyway");
-    ui::checkbox("scene.freeze_culling", "freeze culling", editor.freeze.culling,
+    ImGui::SameLine();
+    ui::checkbox("scene.freeze_culling", "culling", editor.freeze.culling,
                  "What this camera does not see is not drawn, wherever one looks from; shadows are not concerned");
     ImGui::Text("%.3f s", editor.scene_time);
     ui::note("scene.time", fmt::format("{:.4f}", editor.scene_time));
