@@ -22,7 +22,9 @@ void main() {
   float z = FETCH(depth, pixel);
   vec2 moved = texelFetch(velocity, pixel, 0).xy;
   Point point = make_point(vec2(pixel) + 0.5, z, unpack_normal(FETCH(normal, pixel)), moved);
-  bool valid = feedback_state.previous_reflected_valid != 0 && reproject.previous_depth_valid != 0 && reproject.previous_normal_valid != 0 && z > 0.0;
+  // Without `&&`, as in temporal.frag.
+  uint past = feedback_state.previous_reflected_valid & reproject.previous_depth_valid & reproject.previous_normal_valid;
+  bool valid = past != 0u && z > 0.0;
   vec2 at = vec2(pixel) - moved;
   vec2 low = floor(at + 1e-3);
   vec2 share = max(at - low, 0.0);

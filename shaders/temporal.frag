@@ -65,16 +65,17 @@ void add_texel(inout Past past, ivec2 texel, float w) {
   past.weight += w;
 }
 
-bool any_past() {
-  bool valid = reproject.previous_depth_valid != 0 && reproject.previous_normal_valid != 0 && temporal_state.previous_moments_valid != 0;
+// 1 or 0; without `&&`, which would be conditions: see common/bound.glsl.
+uint any_past() {
+  uint valid = reproject.previous_depth_valid & reproject.previous_normal_valid & temporal_state.previous_moments_valid;
 #ifdef HAS_GI
-  valid = valid && temporal_state.previous_light_valid != 0;
+  valid &= temporal_state.previous_light_valid;
 #endif
 #ifdef HAS_AMBIENT
-  valid = valid && temporal_state.previous_ambient_valid != 0;
+  valid &= temporal_state.previous_ambient_valid;
 #endif
 #ifdef HAS_BENT
-  valid = valid && temporal_state.previous_bent_valid != 0;
+  valid &= temporal_state.previous_bent_valid;
 #endif
   return valid;
 }
@@ -85,7 +86,7 @@ Past find_past(ivec2 pixel, Point point, vec2 moved) {
   vec2 at = vec2(pixel) - moved;
   vec2 low = floor(at + 1e-3);
   vec2 share = max(at - low, 0.0);
-  int taps = !any_past() ? 0 : all(lessThan(share, vec2(2e-3))) ? 1 : 4;
+  int taps = any_past() == 0u ? 0 : all(lessThan(share, vec2(2e-3))) ? 1 : 4;
   for (int i = 0; i < taps; ++i) {
     ivec2 corner = ivec2(i & 1, i >> 1);
     vec2 w = mix(1.0 - share, share, vec2(corner));

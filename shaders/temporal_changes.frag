@@ -1,6 +1,7 @@
 // Where surfaces have moved, appeared or gone since the last frame, other than by the camera's motion: a texel for 4x4 pixels.
 // What the camera's motion alone uncovers or hides is none of that: it is there in both frames.
 #version 460
+#include "common/bound.glsl"
 #include "common/fetch.glsl"
 #include "common/frame.glsl"
 #include "common/pack.glsl"
@@ -44,7 +45,7 @@ void main() {
   mat3 turn = mat3(reproject.view_from_previous_view);
   vec3 shift = reproject.view_from_previous_view[3].xyz;
   float moving = 0.0, fastest = 0.0, gone = 0.0, nearest = 3e38;
-  int count = reproject.previous_depth_valid != 0 && reproject.previous_normal_valid != 0 ? 16 : 0;
+  int count = own_bound(16 * int(reproject.previous_depth_valid & reproject.previous_normal_valid), FETCH(depth, first));
   for (int i = 0; i < count; ++i) {
     ivec2 pixel = min(first + ivec2(i & 3, i >> 2), frame.size - 1);
     vec2 middle = vec2(pixel) + 0.5;

@@ -41,15 +41,13 @@ vec3 ambient_out(ivec2 pixel, Surface s, float dielectric_f0, float occlusion, v
 #ifdef HAS_VISIBILITY
   open *= texelFetch(visibility, pixel, 0).x;
 #endif
-  vec3 mirrored = vec3(0.0);
-  if (frame.lambert == 0u) {
-    vec2 albedo = specular_albedo(clamp(dot(normal, to_eye), 0.0, 1.0), s.roughness);
-    mirrored = s.f0 * albedo.x + albedo.y;
-  }
+  // A choice, not a condition: see bound.glsl.
+  vec2 albedo = specular_albedo(clamp(dot(normal, to_eye), 0.0, 1.0), s.roughness);
+  vec3 mirrored = (s.f0 * albedo.x + albedo.y) * (frame.lambert == 0u ? 1.0 : 0.0);
   vec3 irradiance = frame.environment;
 #ifdef ENVIRONMENT_MAP
   mat3 world_from_view = mat3(frame.world_from_view);
-  if (frame.lambert == 0u) mirrored *= environment_lobe(world_from_view * reflect(-to_eye, normal), s.roughness);
+  mirrored *= environment_lobe(world_from_view * reflect(-to_eye, normal), s.roughness);
 #else
   mirrored *= frame.environment;
 #endif

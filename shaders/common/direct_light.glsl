@@ -4,6 +4,7 @@
 #ifndef NF_COMMON_DIRECT_LIGHT_GLSL
 #define NF_COMMON_DIRECT_LIGHT_GLSL
 
+#include "common/bound.glsl"
 #include "common/brdf.glsl"
 #include "common/frame.glsl"
 #include "common/lights.glsl"
@@ -65,7 +66,8 @@ float sun_visibility(Receiver r) {
   float limit = 1.0 - shadow.blend * r.dither;
   vec3 cascade = sun.cascade0;
   int layer = 0;
-  for (int i = 1; i < int(sun.cascade_count); ++i) {
+  int count = own_bound(int(sun.cascade_count), r.dither);
+  for (int i = 1; i < count; ++i) {
     vec2 ndc = abs(at - cascade.xy) * cascade.z;
     if (max(ndc.x, ndc.y) < limit) break;
     cascade = i == 1 ? sun.cascade1 : i == 2 ? sun.cascade2 : sun.cascade3;
@@ -160,21 +162,24 @@ void direct_light(Receiver r, ivec2 pixel, float z, out vec3 diffuse, out vec3 s
 #endif
     reflect_light(r, -sun.direction, sun.irradiance * sun_cosine, diffuse, specular);
   }
-  for (uint i = 0; i < light_view.suns; ++i) {
+  uint suns = own_bound(light_view.suns, z);
+  for (uint i = 0; i < suns; ++i) {
     Light light = light_rows.rows[i];
     float cosine = -dot(r.normal, light.direction);
     if (cosine <= 0.0) continue;
     cosine *= screen_visibility(r, -light.direction, 1e30);
     reflect_light(r, -light.direction, light.radiance * cosine, diffuse, specular);
   }
-  for (uint i = light_view.suns; i < light_view.global; ++i) add_light(i, r, diffuse, specular);
+  uint global = own_bound(light_view.global, z);
+  for (uint i = light_view.suns; i < global; ++i) add_light(i, r, diffuse, specular);
 #ifdef LIGHT_GRID
   uint slice = uint(clamp(floor(log2(z) * light_view.slice_scale + light_view.slice_offset), 0.0, float(CLUSTER_SLICES - 1)));
   uint cluster = (slice * light_view.grid_height + uint(pixel.y) / CLUSTER_PIXELS) * light_view.grid_width + uint(pixel.x) / CLUSTER_PIXELS;
   uint end = cluster_first.rows[cluster + 1u];
   for (uint i = cluster_first.rows[cluster]; i < end; ++i) add_light(cluster_lights.rows[i], r, diffuse, specular);
 #else
-  for (uint i = light_view.global; i < light_view.count; ++i) add_light(i, r, diffuse, specular);
+  uint all = own_bound(light_view.count, z);
+  for (uint i = light_view.global; i < all; ++i) add_light(i, r, diffuse, specular);
 #endif
 }
 

@@ -3,6 +3,7 @@
 #ifndef NF_COMMON_SCREEN_SHADOW_GLSL
 #define NF_COMMON_SCREEN_SHADOW_GLSL
 
+#include "common/bound.glsl"
 #include "common/view.glsl"
 
 // 1 or 0. From `position` with the surface's normal `plane` `reach` metres along l, world space; `dither` in [0, 1) moves the points.
@@ -13,7 +14,8 @@ float segment_visibility(vec3 position, vec3 plane, vec3 l, float reach, float d
   float scale = 1.0 / float(shadow.screen_samples);
   float thickness = shadow.screen_thickness > 0.0 ? shadow.screen_thickness : 1e30;
   bool open = true;
-  for (int i = 0; i < shadow.screen_samples && open; ++i) {
+  int count = own_bound(shadow.screen_samples, reach);
+  for (int i = 0; i < count && open; ++i) {
     vec3 at = from + along * ((float(i) + dither) * scale);
     if (at.z > -frame.near) break;
     ivec2 texel = ivec2(floor(pixel_of(at, frame.ray_scale, frame.ray_offset)));

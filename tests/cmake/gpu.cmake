@@ -5,7 +5,7 @@ target_compile_definitions(nf_gpu_fixture PRIVATE NF_SOURCE_DIR="${CMAKE_SOURCE_
 target_link_libraries(nf_gpu_fixture PUBLIC nf_passes nf_content nf_image GTest::gtest PRIVATE nf_options)
 foreach(name gpu_frame_test gpu_robust_test gpu_graph_test gpu_graph_use_test gpu_live_test gpu_motion_test gpu_shader_test
              gpu_shadow_test gpu_shadow_cache_test
-             gpu_blend_test gpu_reload_test gpu_probe_test gpu_freeze_test gpu_nan_test gpu_inspect_test gpu_edit_test gpu_pictures_test gpu_techniques_test gpu_forms_test gpu_marcher_test)
+             gpu_blend_test gpu_reload_test gpu_probe_test gpu_freeze_test gpu_memory_test gpu_nan_test gpu_inspect_test gpu_edit_test gpu_pictures_test gpu_techniques_test gpu_forms_test gpu_marcher_test)
   if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp)
     nf_test(${name} nf_gpu_fixture LABELS gpu)
   endif()
