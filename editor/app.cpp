@@ -96,6 +96,7 @@ class App {
 
  private:
   void open();
+  void loop();
   void load_fonts();
   void open_device();
   void reopen(const std::string& why);
@@ -549,8 +550,7 @@ void App::step() {
   serve();
 }
 
-int App::run() {
-  open();
+void App::loop() {
   for (int lost_in_a_row = 0; !e_.quit && !interrupted();) {
     const double started = clock();
     try {
@@ -559,14 +559,19 @@ int App::run() {
     } catch (const Error& error) {
       if (error.exit() != Exit::Gpu || ++lost_in_a_row > 3) throw;
       log::error("{}", error.what());
-      try {
-        reopen(error.what());
-      } catch (...) {
-        keep_settings();  // without a device there is no window, but nothing is lost
-        throw;
-      }
+      reopen(error.what());
     }
     pace(started);
+  }
+}
+
+int App::run() {
+  open();
+  try {
+    loop();
+  } catch (...) {
+    keep_settings();  // whatever it was, nothing of the user's is lost
+    throw;
   }
   keep_settings();
   uint64_t messages = messages_ + worker_->messages();
