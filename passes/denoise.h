@@ -8,7 +8,7 @@ namespace nf::passes {
 // clang-format off
 #define NF_DENOISE_PARAMS(P)                                                                                        \
   P(Choice, method, 2, 0, 2, "off|small|atrous", "Spatial filter of the GI: none, 5x5 pixels, or several passes, wider each time") \
-  P(Int, passes, 4, 1, 5, "", "Passes of the a-trous filter; n reach 2^n - 1 pixels")                               \
+  P(Int, passes, 3, 1, 5, "", "Passes of the a-trous filter; n reach 2^n - 1 pixels")                               \
   P(Float, depth, 0.01f, 0.0001f, 1.0f, "", "Distance from the pixel's plane, as a share of the depth, that weighs 1/e") \
   P(Float, normal, 32.0f, 0.0f, 1000.0f, "", "How fast weights fall with the angle to the pixel's normal")          \
   P(Float, luminance, 4.0f, 0.0f, 100.0f, "",                                                                       \

@@ -444,6 +444,46 @@ TEST_F(CliEvaluateTest, OverTime) {
     EXPECT_GT(plain["jump"]["ghost_pixels"].get<int>(), 20);
     EXPECT_NEAR(plain["jump"]["half_life"].get<double>(), std::log(0.5) / std::log(1 - 1 / n), 0.1 * n) << n;
   }
+  const json& settling = vbgi["settling"];
+  for (const char* of : {"reconstructed", "reconstructed_to_raw", "picture", "picture_to_raw"})
+    EXPECT_EQ(settling[of]["looked_at"], 32) << of;
+  const auto after_32 = [&](const char* of) { return settling[of]["errors"].back()["median"].get<double>(); };
+  EXPECT_LT(after_32("reconstructed"), raw[5]["median"].get<double>()) << "32 frames: less noise than their mean";
+  EXPECT_LT(after_32("picture"), after_32("reconstructed")) << "other light has no noise";
+
+  // Parts, each for itself, and sets of presets.
+  const auto part = [&](const std::string& name, const std::string& parts, const Words& more = {}) {
+    Words all = {"evaluate", scene(),  "--temporal" + parts, "--techniques", "vbgi",
+                 "--size",   "48x27",  "--frames",           "64",           "-o",
+                 out(name),  "--quiet"};
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all);
+  };
+  const auto document_of = [&](const std::string& name) {
+    return json::parse(bytes_of(folder / name / "temporal.json"), nullptr, false);
+  };
+  ASSERT_EQ(part("settle", "=settling").code, 0);
+  const json alone = document_of("settle")["rows"][0];
+  EXPECT_EQ(alone["settling"], settling) << "whatever else is measured";
+  EXPECT_FALSE(alone.contains("pan") || alone.contains("jump") || alone.contains("convergence"));
+  EXPECT_EQ(bytes_of(folder / "settle/temporal.md").find("flicker"), std::string::npos);
+  EXPECT_EQ(part("bad", "=settling,speed").code, 2);
+  std::filesystem::create_directories(folder / "set");
+  for (const char* passes : {"1", "5"})
+    std::ofstream(folder / "set" / (std::string(passes) + ".json"))
+        << R"({"schema": "nearfield.preset/1", "params": {"denoise.passes": )" << passes << "}}";
+  const Outcome sets = part("sets", "=settling", {"--presets", "default," + out("set")});
+  ASSERT_EQ(sets.code, 0) << sets.err;
+  const json of_set = document_of("sets")["rows"];
+  ASSERT_EQ(of_set.size(), 3u);
+  EXPECT_EQ(of_set[0]["settling"], settling);
+  EXPECT_EQ(of_set[1]["settling"]["raw"], settling["raw"]) << "raw frames are not denoised";
+  const auto noise = [&](size_t row) {
+    return of_set[row]["settling"]["reconstructed"]["errors"].back()["median"].get<double>();
+  };
+  EXPECT_LT(noise(2), noise(1)) << "a wider filter leaves less noise";
+  EXPECT_EQ(part("none", "=settling", {"--presets", out("nosuch")}).code, 3);
+
   const json nobody = measure("nobody", {"--techniques", "vbgi", "--occluder", "nobody"})["rows"][0];
   EXPECT_TRUE(nobody["jump"].contains("absent"));
   EXPECT_EQ(nobody["pan"], vbgi["pan"]) << "the occluder is back, and the same command gives the same numbers";

@@ -43,21 +43,6 @@ double parse_share(const std::string& text) {
   return value;
 }
 
-// Every preset of a folder.
-std::vector<fs::path> find_presets(const std::string& name) {
-  const fs::path bundled = gpu::find_shader_folder().parent_path() / "content" / "presets" / name;
-  const fs::path folder = preset_folder(name);
-  std::vector<fs::path> presets;
-  if (fs::is_directory(folder))
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path().extension() == ".json") presets.push_back(entry.path());
-  if (presets.empty())
-    fail(Exit::Input, "no presets '{}': neither '{}' nor '{}' is a folder with .json files", name, bundled.string(),
-         name);
-  std::sort(presets.begin(), presets.end());
-  return presets;
-}
-
 std::vector<Subject> make_subjects(const BenchOptions& o) {
   std::vector<Subject> subjects;
   const auto add = [&](std::string name, CommonOptions own) {

@@ -34,9 +34,7 @@ std::vector<const image::MetricInfo*> parse_metrics(const std::string& list) {
     for (const image::MetricInfo& row : image::metrics()) wanted.push_back(&row);
     return wanted;
   }
-  for (size_t at = 0; at <= list.size();) {
-    const size_t comma = std::min(list.find(',', at), list.size());
-    const std::string id = list.substr(at, comma - at);
+  for (const std::string& id : split_list(list)) {
     const image::MetricInfo* info = image::find_metric(id);
     if (!info) {
       std::string known;
@@ -44,8 +42,8 @@ std::vector<const image::MetricInfo*> parse_metrics(const std::string& list) {
       fail(Exit::Usage, "--metric: no metric '{}'; there are{}, or all", id, known);
     }
     if (std::find(wanted.begin(), wanted.end(), info) == wanted.end()) wanted.push_back(info);
-    at = comma + 1;
   }
+  if (wanted.empty()) fail(Exit::Usage, "--metric: the list is empty; write ids, or all");
   return wanted;
 }
 

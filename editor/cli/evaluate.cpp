@@ -64,7 +64,7 @@ class EvaluateJob {
     parse_size(o_.size);
     if (const fs::path file = figures_file(); !file.empty()) return run_figures(file);
     const std::vector<Place> places = parse_places(o_);
-    if (o_.temporal) return run_temporal(places);
+    if (!o_.temporal.empty()) return run_temporal(places);
     // Errors of diffuse light are what is measured; --set material.lambert=false asks for the scene's own materials.
     o_.sets.insert(o_.sets.begin(), "material.lambert=true");
     const std::vector<Contender> contenders = parse_contenders(o_);
@@ -157,6 +157,7 @@ class EvaluateJob {
     if (!o_.resolutions.empty())
       fail(Exit::Usage, "--resolutions is of errors; with --temporal choose one by --set resolution.gi={}",
            o_.resolutions.substr(0, o_.resolutions.find(',')));
+    temporal_parts(o_.temporal);
     const std::vector<Contender> contenders = parse_contenders(o_);
     const TemporalLengths lengths = temporal_lengths(o_);
     make_folder(folder_);
@@ -165,17 +166,20 @@ class EvaluateJob {
     bool complete = true;
     {
       Progress progress("evaluate", places.size() * contenders.size(), o_);
+      std::string where;
+      const Notice notice = [&](const std::string& what) { progress.update(rows.size(), where + ", " + what); };
       for (const Place& place : places) {
         if (!complete) break;
-        TemporalStage stage(device, o_, lengths, place);
+        TemporalStage stage(device, o_, lengths, place, notice);
         for (const Contender& contender : contenders) {
+          where = fmt::format("{}, {}", place.label, contender.label);
           const json row = stage.measure(contender);
           if (!row.is_object()) {
             complete = false;
             break;
           }
           rows.push_back(row);
-          progress.update(rows.size(), fmt::format("{}, {}", place.label, contender.label));
+          progress.update(rows.size(), where);
         }
       }
     }
@@ -223,8 +227,9 @@ Command add_evaluate(CLI::App& parent) {
       ->capture_default_str();
   app->add_option(
          "--presets", state->presets,
-         "Preset files, and `default`; one that names a technique is taken with that only. figures: the papers' "
-         "figures as numbers, of the scenes in the folder SCENE")
+         "Preset files, sets of them (a folder, of content/presets or any other) and `default`; a preset that names a "
+         "technique is taken with that only. figures: the papers' figures as numbers, of the scenes in the folder "
+         "SCENE")
       ->type_name("LIST");
   app->add_option("--resolutions", state->resolutions,
                   "Measure each technique at these: all, or modes of resolution.gi such as full,half; each with its "
@@ -241,9 +246,9 @@ Command add_evaluate(CLI::App& parent) {
       ->check(CLI::Range(2u, 65536u))
       ->capture_default_str();
   app->add_flag(
-      "--temporal", state->temporal,
-      "What techniques do over time instead: how fast the mean settles, ghosts, flicker; --frames is the length "
-      "of a technique's own mean then");
+      "--temporal{all}", state->temporal,
+      "What techniques do over time instead: how fast means settle, ghosts, flicker; --temporal=LIST of convergence, "
+      "settling, jump and pan measures these alone. --frames is the length of a technique's own mean then");
   app->add_option("--occluder", state->occluder,
                   "With --temporal: the node that is gone from one frame to the next; the first of these that there is")
       ->type_name("LIST")
@@ -267,7 +272,8 @@ Command add_evaluate(CLI::App& parent) {
       "  nearfield evaluate cornell.glb sponza.glb@nave.json -o table --size 240x135\n"
       "  nearfield evaluate cornell.glb --techniques vbgi,none --presets default,wide.json -o table --resume\n"
       "  nearfield evaluate fence.glb --techniques vbao --resolutions full,half,quarter -o table\n"
-      "  nearfield evaluate atrium.glb@atrium.json --temporal --frames 4096 --size 160x90 -o time");
+      "  nearfield evaluate atrium.glb@atrium.json --temporal --frames 4096 --size 160x90 -o time\n"
+      "  nearfield evaluate atrium.glb@atrium.json --temporal=settling --techniques vbgi --presets default,stillness");
   return {app, [state] {
             start_log(*state);
             watch_interrupt();

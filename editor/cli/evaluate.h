@@ -20,9 +20,10 @@ namespace nf::editor {
 struct EvaluateOptions : CommonOptions {
   std::vector<std::string> scenes;
   std::string techniques = "all", presets, resolutions, folder = "evaluation", references, markdown;
+  std::string temporal;  // what is measured over time, "all" or a list; empty: errors are
   std::string occluder = "short,card,fountain";
   uint32_t frames = 64, timed = 8, spp = 256, bounces = 6, threads = 0;
-  bool resume = false, pictures = true, temporal = false;
+  bool resume = false, pictures = true;
 };
 
 // A scene with a view of it.

@@ -2,21 +2,12 @@
 #include <algorithm>
 
 #include "cli/evaluate.h"
+#include "cli/paper_spec.h"
 
 namespace nf::editor {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<std::string> split(const std::string& list) {
-  std::vector<std::string> parts;
-  for (size_t at = 0; at < list.size();) {
-    const size_t comma = std::min(list.find(',', at), list.size());
-    if (comma > at) parts.push_back(list.substr(at, comma - at));
-    at = comma + 1;
-  }
-  return parts;
-}
 
 constexpr const char* forms[] = {"radiometric", "paper"};
 
@@ -33,7 +24,7 @@ std::vector<std::pair<std::string, std::string>> parse_techniques(const std::str
         if (has_form(t, mode)) wanted.emplace_back(t.id, mode);
     return wanted;
   }
-  for (const std::string& part : split(list)) {
+  for (const std::string& part : split_list(list)) {
     const size_t colon = part.find(':');
     const std::string id = part.substr(0, colon), mode = colon == std::string::npos ? forms[0] : part.substr(colon + 1);
     const passes::Technique& technique = passes::find_technique(id);
@@ -53,7 +44,7 @@ std::vector<std::string> parse_resolutions(const std::string& list) {
     for (int mode = 0; std::string_view(param.name) == "gi" && mode <= int(param.max); ++mode)
       known.push_back(params::choice_name(param, mode));
   if (list == "all") return known;
-  const std::vector<std::string> wanted = split(list);
+  const std::vector<std::string> wanted = split_list(list);
   for (const std::string& name : wanted)
     if (std::find(known.begin(), known.end(), name) == known.end())
       fail(Exit::Usage, "--resolutions: there is no '{}'; write all, or some of {}", name, fmt::join(known, ","));
@@ -83,7 +74,13 @@ std::vector<Place> parse_places(const EvaluateOptions& o) {
 
 std::vector<Contender> parse_contenders(EvaluateOptions& o) {
   const auto techniques = parse_techniques(o.techniques);
-  std::vector<std::string> presets = split(o.presets);
+  std::vector<std::string> presets;
+  for (const std::string& name : split_list(o.presets)) {
+    if (name == "default" || fs::path(name).extension() == ".json" || fs::is_regular_file(name))
+      presets.push_back(name);
+    else
+      for (const fs::path& preset : find_presets(name)) presets.push_back(preset);
+  }
   if (presets.empty()) presets.emplace_back("default");
   std::vector<Contender> contenders;
   const std::vector<std::string> resolutions = parse_resolutions(o.resolutions);

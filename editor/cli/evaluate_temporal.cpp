@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/ranges.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <optional>
 
@@ -32,13 +33,9 @@ bool is_power_of_two(uint32_t n) {
 
 // The node of the first of these names that the scene has.
 std::optional<uint32_t> find_occluder(const scene::Scene& scene, const std::string& names) {
-  for (size_t at = 0; at < names.size();) {
-    const size_t comma = std::min(names.find(',', at), names.size());
-    const std::string name = names.substr(at, comma - at);
+  for (const std::string& name : split_list(names))
     for (uint32_t node = 0; node < scene.nodes.size(); ++node)
       if (scene.nodes.name[node] == name) return node;
-    at = comma + 1;
-  }
   return std::nullopt;
 }
 
@@ -47,8 +44,9 @@ std::optional<uint32_t> find_occluder(const scene::Scene& scene, const std::stri
 // Frames of one technique after the other.
 class Sequence {
  public:
-  Sequence(gpu::Device& device, const EvaluateOptions& options, const TemporalLengths& lengths, const Place& place)
-      : o_(options), lengths_(lengths), scene_(open_scene(place.scene, options)) {
+  Sequence(gpu::Device& device, const EvaluateOptions& options, const TemporalLengths& lengths, const Place& place,
+           Notice notice)
+      : o_(options), lengths_(lengths), scene_(open_scene(place.scene, options)), notice_(std::move(notice)) {
     view_.size = parse_size(o_.size);
     view_.camera = view_.previous_camera = scene::select_view(place.view, scene_);
     renderer_ = std::make_unique<passes::Renderer>(device, scene_, executor_options(options));
@@ -71,52 +69,65 @@ class Sequence {
     return out;
   }
 
-  // Frames until the median pixel is within 2 % of the technique's own mean, of the cumulative mean of raw frames and
-  // of the reconstructed frames.
+  // How far the median pixel is from a mean of many frames, frame by frame from no history on. Of surfaces alone: the
+  // sky has no noise.
   json settling() {
-    image::RunningMean mean;
-    std::vector<image::Image> means;
-    begin(false, o_.seed);
-    for (uint32_t n = 0; n < lengths_.own_mean; ++n) {
-      mean.add(next());
-      if (n < longest_settling) means.push_back(mean.mean());
-    }
-    own_ = mean.mean();
-    json out = {{"own_mean", lengths_.own_mean}, {"raw", until_near(means, own_)}};
+    const RawMean& raw = raw_mean();
+    const uint32_t looked_at = std::min(longest_settling, lengths_.own_mean / 2);
     begin(true, o_.seed);
-    std::vector<image::Image> frames;
-    image::RunningMean late;
-    for (uint32_t n = 0; n < lengths_.reconstructed; ++n) {
-      frames.push_back(next());
-      if (2 * n >= lengths_.reconstructed) late.add(frames.back());
+    std::vector<Frame> frames;
+    image::RunningMean signal, picture;
+    for (uint32_t n = 0; n < lengths_.own_mean; ++n) {
+      Frame frame = next("settling");
+      if (n < looked_at) {
+        frames.push_back(std::move(frame));
+      } else {
+        signal.add(frame.signal);
+        picture.add(frame.radiance);
+      }
     }
-    frames.resize(lengths_.reconstructed / 2);
-    out["reconstructed"] = until_near(frames, late.mean());
-    out["mean"] = image::mean_luminance(own_);
-    out["reconstructed_bias"] = image::mean_luminance(late.mean()) / image::mean_luminance(own_) - 1;
-    return out;
+    std::vector<image::Image> signals, pictures;
+    for (Frame& frame : frames) {
+      signals.push_back(std::move(frame.signal));
+      pictures.push_back(std::move(frame.radiance));
+    }
+    const auto near = [&](const std::vector<image::Image>& of, const image::Image& to) {
+      return until_near(of, to, raw.mask);
+    };
+    const double mean = image::mean_luminance(raw.signal, raw.mask);
+    return {{"own_mean", lengths_.own_mean},
+            {"raw", near(raw.first, raw.signal)},
+            {"reconstructed", near(signals, signal.mean())},
+            {"reconstructed_to_raw", near(signals, raw.signal)},
+            {"picture", near(pictures, picture.mean())},
+            {"picture_to_raw", near(pictures, raw.picture)},
+            {"mean", number(mean)},
+            {"reconstructed_bias", number(image::mean_luminance(signal.mean(), raw.mask) / mean - 1)}};
   }
 
-  // An occluder that has stood long is gone from one frame to the next. After settling().
+  // An occluder that has stood long is gone from one frame to the next.
   json jump(const std::string& names) {
     const std::optional<uint32_t> node = find_occluder(scene_, names);
     if (!node) return {{"absent", fmt::format("the scene has no node '{}': see --occluder", names)}};
-    Jump seen{.with = own_, .without = {}};
+    Jump seen{.with = raw_mean().signal, .without = {}};
     begin(true, o_.seed);
     for (uint32_t n = 0; n < lengths_.before_jump; ++n) {
-      const image::Image frame = next(&seen.depth_with);
-      if (n + 8 >= lengths_.before_jump) seen.standing.push_back(frame);
+      Frame frame = next("jump");
+      seen.depth_with = std::move(frame.depth);
+      if (n + 8 >= lengths_.before_jump) seen.standing.push_back(std::move(frame.signal));
     }
     // Too small to be seen, where it was: the scene's bounds and the shadow maps stay as they are.
     const glm::vec3 scale = scene_.nodes.scale[*node];
     resize(*node, scale * 1e-4f);
     for (uint32_t n = 0; n < lengths_.after_jump; ++n) {
-      seen.frames.push_back(next(&seen.depth_without));
+      Frame frame = next("jump");
+      seen.depth_without = std::move(frame.depth);
+      seen.frames.push_back(std::move(frame.signal));
       renderer_->update(scene::update(scene_));  // it does not move any more
     }
     image::RunningMean without;
     begin(false, o_.seed);
-    for (uint32_t n = 0; n < std::min(lengths_.own_mean, longest_without); ++n) without.add(next());
+    for (uint32_t n = 0; n < std::min(lengths_.own_mean, longest_without); ++n) without.add(next("jump").signal);
     seen.without = without.mean();
     resize(*node, scale);
     renderer_->update(scene::update(scene_));
@@ -134,11 +145,10 @@ class Sequence {
     for (uint32_t n = 0; n < lengths_.pan_warmup + lengths_.pan; ++n) {
       const glm::mat3 turned(glm::rotate(glm::mat4(1), -turn * float(n), home.up));
       view_.camera.forward = turned * home.forward;
-      image::Image shown;
-      const image::Image frame = next(nullptr, &shown);
+      Frame frame = next("pan");
       if (n < lengths_.pan_warmup) continue;
-      signal.push_back(frame);
-      picture.push_back(std::move(shown));
+      signal.push_back(std::move(frame.signal));
+      picture.push_back(std::move(frame.shown));
     }
     view_.camera = view_.previous_camera = home;
     return {{"signal", number(image::flicker(signal))}, {"picture", number(image::flicker(picture))}};
@@ -146,7 +156,19 @@ class Sequence {
 
  private:
   static constexpr int stbn = 4;  // of gi.noise
-  static constexpr uint32_t longest_settling = 256, longest_without = 512;
+  static constexpr uint32_t longest_settling = 128, longest_without = 512;
+
+  // One frame: the signal, radiance before the tone curve, depth, and the picture as shown, 0 to 255.
+  struct Frame {
+    image::Image signal, radiance, depth, shown;
+  };
+  // Of many frames that nothing reconstructs: means, the signal's means over the first n, and where surfaces are.
+  struct RawMean {
+    std::string key;
+    image::Image signal, picture;
+    std::vector<image::Image> first;
+    std::vector<uint8_t> mask;
+  };
 
   // Antialiasing comes behind the signal, which its jitter moves about: only who looks at the picture has it.
   void begin(bool reconstruct, uint32_t seed, bool antialias = false) {
@@ -157,20 +179,46 @@ class Sequence {
     frame_ = 0;
   }
 
-  // The next frame's signal; its depth and the picture as shown where they are asked for.
-  image::Image next(image::Image* depth = nullptr, image::Image* picture = nullptr) {
+  Frame next(const char* part) {
     if (interrupted()) throw Interrupted{};
-    const passes::Aov* layers[] = {&signal_of(light_, !settings_.reconstruct), &passes::find_aov("depth")};
+    if (frame_ % 32 == 0) notice_(fmt::format("{}, frame {}", part, frame_));
+    const passes::Aov* layers[] = {&signal_of(light_, !settings_.reconstruct), &passes::find_aov(""),
+                                   &passes::find_aov("depth")};
     view_.frame_index = frame_;
     run_frame(*renderer_, view_, settings_, {.layers = layers, .picture = true, .forget = frame_ == 0});
     ++frame_;
     const std::vector<graph::Readback> readbacks = renderer_->executor().take_readbacks();
-    if (depth) *depth = to_layer(*layers[1], readbacks[1]).image;
-    if (picture) {
-      const image::Image8 shown = to_image8(readbacks.back());
-      *picture = {shown.width, shown.height, shown.channels, {shown.pixels.begin(), shown.pixels.end()}};
+    const auto layer = [&](size_t i) { return to_layer(*layers[i], readbacks[i]).image; };
+    const image::Image8 shown = to_image8(readbacks.back());
+    return {layer(0),
+            layer(1),
+            layer(2),
+            {shown.width, shown.height, shown.channels, {shown.pixels.begin(), shown.pixels.end()}}};
+  }
+
+  // Kept while only stages differ that raw frames do not have.
+  const RawMean& raw_mean() {
+    std::string key = settings_.technique->id;
+    const json params = params::to_json(settings_.blocks());
+    for (const auto& [id, value] : params.items())
+      if (!id.starts_with("temporal.") && !id.starts_with("denoise.") && !id.starts_with("taa."))
+        key += fmt::format(" {}={}", id, value.dump());
+    if (raw_.key == key) return raw_;
+    raw_ = {};
+    begin(false, o_.seed);
+    image::RunningMean signal, picture;
+    for (uint32_t n = 0; n < lengths_.own_mean; ++n) {
+      const Frame frame = next("own mean");
+      signal.add(frame.signal);
+      picture.add(frame.radiance);
+      if (n < longest_settling) raw_.first.push_back(signal.mean());
+      if (!n)
+        for (const float depth : frame.depth.pixels) raw_.mask.push_back(depth > 0);
     }
-    return to_layer(*layers[0], readbacks[0]).image;
+    raw_.signal = signal.mean();
+    raw_.picture = picture.mean();
+    raw_.key = key;
+    return raw_;
   }
 
   // Two independent means, apart by twice the variance of one, so that no reference's noise and no bias is in it.
@@ -182,7 +230,7 @@ class Sequence {
       image::RunningMean mean;
       size_t row = 0;
       for (uint32_t n = 1; n <= lengths_.convergence; ++n) {
-        mean.add(next());
+        mean.add(next("convergence").signal);
         if (!is_power_of_two(n)) continue;
         if (seed == o_.seed * 2)
           first.push_back(mean.mean());
@@ -196,10 +244,11 @@ class Sequence {
     return {{"slope", number(image::log_log_slope(points))}, {"rmse", rmse}};
   }
 
-  static json until_near(const std::vector<image::Image>& frames, const image::Image& own) {
+  static json until_near(const std::vector<image::Image>& frames, const image::Image& to,
+                         std::span<const uint8_t> mask) {
     json errors = json::array(), found = nullptr;
     for (uint32_t n = 1; n <= frames.size(); ++n) {
-      const double error = image::median_relative_error(frames[n - 1], own);
+      const double error = image::median_relative_error(frames[n - 1], to, mask);
       if (found.is_null() && error <= 0.02) found = n;
       if (is_power_of_two(n) || n == frames.size()) errors.push_back({{"frames", n}, {"median", number(error)}});
     }
@@ -272,18 +321,33 @@ class Sequence {
   passes::FrameView view_;
   passes::FrameSettings settings_;
   std::unique_ptr<passes::Renderer> renderer_;
-  image::Image own_;  // the technique's mean
+  RawMean raw_;
+  Notice notice_;
   bool light_ = false, wants_taa_ = true;
   uint32_t frame_ = 0;
 };
+
+std::vector<std::string> temporal_parts(const std::string& list) {
+  static const std::vector<std::string> known = {"convergence", "settling", "jump", "pan"};
+  if (list == "all") return known;
+  const std::vector<std::string> wanted = split_list(list);
+  for (const std::string& part : wanted)
+    if (std::find(known.begin(), known.end(), part) == known.end())
+      fail(Exit::Usage, "--temporal={}: there is no part '{}'; leave the list away for all, or write some of {}", list,
+           part, fmt::join(known, ","));
+  if (wanted.empty()) fail(Exit::Usage, "--temporal: the list is empty; write some of {}", fmt::join(known, ","));
+  return wanted;
+}
 
 TemporalLengths temporal_lengths(const EvaluateOptions& options) {
   return {.own_mean = options.frames};
 }
 
 TemporalStage::TemporalStage(gpu::Device& device, const EvaluateOptions& options, const TemporalLengths& lengths,
-                             const Place& place)
-    : options_(options), place_(place), sequence_(std::make_unique<Sequence>(device, options, lengths, place)) {}
+                             const Place& place, Notice notice)
+    : options_(options),
+      place_(place),
+      sequence_(std::make_unique<Sequence>(device, options, lengths, place, std::move(notice))) {}
 TemporalStage::~TemporalStage() = default;
 
 json TemporalStage::measure(const Contender& contender) {
@@ -305,10 +369,12 @@ json TemporalStage::measure(const Contender& contender) {
     Sequence& sequence = *sequence_;
     sequence.take(contender.settings);
     row["signal"] = sequence.has_light() ? "gi" : "visibility";
-    row["convergence"] = sequence.convergence();
-    row["settling"] = sequence.settling();
-    row["jump"] = sequence.jump(options_.occluder);
-    row["pan"] = sequence.pan();
+    const std::vector<std::string> parts = temporal_parts(options_.temporal);
+    const auto wanted = [&](const char* part) { return std::find(parts.begin(), parts.end(), part) != parts.end(); };
+    if (wanted("convergence")) row["convergence"] = sequence.convergence();
+    if (wanted("settling")) row["settling"] = sequence.settling();
+    if (wanted("jump")) row["jump"] = sequence.jump(options_.occluder);
+    if (wanted("pan")) row["pan"] = sequence.pan();
   } catch (const Interrupted&) {
     return nullptr;
   }

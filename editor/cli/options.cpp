@@ -1,6 +1,7 @@
 // Shared flags and what they mean.
 #include "cli/options.h"
 
+#include <algorithm>
 #include <atomic>
 #include <charconv>
 #include <csignal>
@@ -40,6 +41,16 @@ json apply_preset(CommonOptions& options) {
 }
 
 }  // namespace
+
+std::vector<std::string> split_list(const std::string& list) {
+  std::vector<std::string> parts;
+  for (size_t at = 0; at < list.size();) {
+    const size_t comma = std::min(list.find(',', at), list.size());
+    if (comma > at) parts.push_back(list.substr(at, comma - at));
+    at = comma + 1;
+  }
+  return parts;
+}
 
 void add_log_flags(CLI::App& app, CommonOptions& o) {
   app.add_flag("--quiet", o.quiet, "Only errors on stderr");

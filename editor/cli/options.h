@@ -44,6 +44,8 @@ void add_render_flags(CLI::App& app, CommonOptions& options);
 void add_log_flags(CLI::App& app, CommonOptions& options);
 void start_log(const CommonOptions& options);
 
+// "a,b" to its parts; empty ones are left out.
+std::vector<std::string> split_list(const std::string& list);
 // "640x360" to pixels, 1 to 16384 a side. Throws nf::Error (Exit::Usage).
 glm::uvec2 parse_size(const std::string& text);
 // Reconstruction: none, for who measures a technique; as the parameters say; the same with every stage off that neither

@@ -16,6 +16,20 @@ std::filesystem::path preset_folder(const std::string& name, const char* file) {
   return std::filesystem::exists(bundled / file) ? bundled : std::filesystem::path(name);
 }
 
+std::vector<std::filesystem::path> find_presets(const std::string& name) {
+  namespace fs = std::filesystem;
+  const fs::path folder = preset_folder(name);
+  std::vector<fs::path> presets;
+  if (fs::is_directory(folder))
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.path().extension() == ".json") presets.push_back(entry.path());
+  if (presets.empty())
+    fail(Exit::Input, "no presets '{}': neither '{}' nor '{}' is a folder with .json files", name,
+         (gpu::find_shader_folder().parent_path() / "content" / "presets" / name).string(), name);
+  std::sort(presets.begin(), presets.end());
+  return presets;
+}
+
 json read_spec(const std::filesystem::path& file, const std::string& schema) {
   const std::vector<uint8_t> bytes = image::read_file(file);
   json document = json::parse(bytes.begin(), bytes.end(), nullptr, false);

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "frame.h"
 
@@ -12,6 +13,9 @@ namespace nf::editor {
 
 // The folder NAME of content/presets, if it has `file`; else the path `name`.
 std::filesystem::path preset_folder(const std::string& name, const char* file = "");
+
+// Every preset of such a folder, sorted. Throws nf::Error (Exit::Input) where there are none.
+std::vector<std::filesystem::path> find_presets(const std::string& name);
 
 // Throws nf::Error (Exit::Input), with the file's name, where it is missing, no JSON, or of another schema.
 nlohmann::json read_spec(const std::filesystem::path& file, const std::string& schema);

@@ -25,7 +25,7 @@ Progress::~Progress() {
 }
 
 void Progress::update(uint64_t done, const std::string& note) {
-  if (mode_ == ProgressMode::None || total_ < 2) return;
+  if (mode_ == ProgressMode::None || (total_ < 2 && done == total_)) return;
   const Clock::time_point now = Clock::now();
   const double since = std::chrono::duration<double>(now - last_).count();
   const double elapsed = std::chrono::duration<double>(now - start_).count();
@@ -38,15 +38,16 @@ void Progress::update(uint64_t done, const std::string& note) {
   last_ = now;
   last_done_ = done;
   shown_ = true;
-  const double left = done ? elapsed * double(total_ - done) / double(done) : 0;
+  const std::string left =
+      done ? fmt::format(" ETA {:.0f} s", elapsed * double(total_ - done) / double(done)) : std::string();
   if (mode_ == ProgressMode::Json) {
     fmt::print(stderr, "{{\"progress\":\"{}\",\"done\":{},\"total\":{},\"seconds\":{:.3f}}}\n", label_, done, total_,
                elapsed);
   } else if (mode_ == ProgressMode::Plain) {
-    fmt::print(stderr, "{} {}/{} {} ETA {:.0f} s\n", label_, done, total_, note, left);
+    fmt::print(stderr, "{} {}/{} {}{}\n", label_, done, total_, note, left);
   } else {
     const int width = 24, filled = int(done * width / total_);
-    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {} ETA {:.0f} s", label_, std::string(size_t(filled), '#'),
+    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {}{}", label_, std::string(size_t(filled), '#'),
                std::string(size_t(width - filled), '.'), done, total_, note, left);
     std::fflush(stderr);
   }
