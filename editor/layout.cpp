@@ -220,12 +220,12 @@ void draw_toasts(Editor& editor) {
 }
 
 void draw_hints(Editor& editor) {
-  if (!editor.preferences.hints || editor.scene_frames == 0) return;
+  if (!editor.preferences.hints || editor.scene_frames == 0 || !editor.banner.text.empty()) return;
   const Viewport& v = editor.viewport;
   const float line = ImGui::GetFontSize();
   ImGui::SetNextWindowPos(ImVec2(v.x + v.width - line, v.y + line), ImGuiCond_Always, ImVec2(1, 0));
   ImGui::SetNextWindowBgAlpha(0.85f);
-  ImGui::Begin("hints", nullptr, fixed | ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::Begin("hints", nullptr, (fixed & ~ImGuiWindowFlags_NoBringToFrontOnFocus) | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::TextUnformatted(
       "right drag and W A S D: fly        N: next technique\nK, then X: wipe against this picture   F1: all keys");
   if (ui::button("hints.dismiss", "Got it")) editor.preferences.hints = false;
