@@ -390,7 +390,7 @@ TEST_F(CliEvaluateTest, Failures) {
   fails(3, {"--techniques", "nosuch"}, "nosuch");
   fails(2, {"--techniques", "none:paper"}, "no form 'paper'");
   fails(3, {"--presets", "/no/such.json"}, "/no/such.json");
-  fails(3, {"--presets", "/tmp"}, "it is a folder");
+  fails(3, {"--presets", "/proc"}, "no presets '/proc'");
   fails(2, {"--technique", "vbgi"}, "--techniques");
   fails(2, {"--frames", "0"}, "--frames");
   fails(2, {scene()}, "twice");

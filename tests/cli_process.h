@@ -96,7 +96,7 @@ class CliTest : public testing::Test {
     pid_t ended = 0;
     while ((ended = waitpid(pid, &status, WNOHANG)) == 0) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
-      if (std::chrono::steady_clock::now() - start > std::chrono::seconds(60)) kill(pid, SIGKILL);
+      if (std::chrono::steady_clock::now() - start > std::chrono::seconds(150)) kill(pid, SIGKILL);
     }
     EXPECT_EQ(ended, pid);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), bytes_of(base_ / "stdout"),

@@ -63,6 +63,14 @@ TEST_F(GuiTest, ValidationIsToldWithItsPass) {
   EXPECT_TRUE(known) << pass[1].str();
 }
 
+TEST_F(GuiTest, LightsAreMoved) {
+  keep_settings(R"("settle": 4, "moving_scale": 1, "scale_chosen": true, "render_scale": 0.25)");
+  // 4 x 2 texels of one colour; too narrow to be run-length coded.
+  std::string sky = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n";
+  for (int i = 0; i < 8; ++i) sky += "\x80\x90\xc0\x81";
+  PLAYS(play(replaced(script_text("lights.jsonl"), "SKY", input("sky.hdr", sky))));
+}
+
 TEST_F(GuiTest, ATooltipNamesThePaper) {
   PLAYS(
       play("{\"wait\": \"scene_frames >= 1\"}\n{\"hover\": \"vbgi.emitter\"}\n"
