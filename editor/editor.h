@@ -168,8 +168,9 @@ struct Preferences {
   int capture_frames = 60;
   bool hints = true, hide_ui = false;
   float left = 0.24f, right = 0.26f, bottom = 0.3f;  // shares of the window
-  std::string bottom_tab, right_tab;
-  std::map<std::string, Floating> floating;  // by the panel's name
+  std::string bottom_tab, right_tab;                 // to be opened with the next frame; then empty
+  std::string bottom_open, right_open;               // open now
+  std::map<std::string, Floating> floating;          // by the panel's name
 };
 
 // Parts of the renderer that stand still, each by itself. Kept with nothing: a new scene and a new start are without.

@@ -47,8 +47,8 @@ void take_out(Editor& editor, const char* name) {
   editor.carried = name;
 }
 
-// `wanted` names a tab to switch to, and is then forgotten.
-void draw_tabs(Editor& editor, const char* bar, std::span<const Tab> tabs, std::string& wanted) {
+// `wanted` names a tab to switch to, and is then forgotten; the tab that is open is `now`.
+void draw_tabs(Editor& editor, const char* bar, std::span<const Tab> tabs, std::string& wanted, std::string& now) {
   for (const Tab& tab : tabs) {
     const bool asked = wanted == tab.name;
     if (editor.preferences.floating.count(tab.name)) {
@@ -62,6 +62,7 @@ void draw_tabs(Editor& editor, const char* bar, std::span<const Tab> tabs, std::
     if (is_taken_out()) take_out(editor, tab.name);
     ui::tooltip("Double click, or pull away: a window of its own");
     if (!open) continue;
+    now = tab.name;
     tab.draw(editor);
     ImGui::EndTabItem();
   }
@@ -301,15 +302,15 @@ void draw_layout(Editor& editor) {
   if (!narrow) {
     begin_region("inspector", width - right, top, right, upper);
     if (ImGui::BeginTabBar("inspector")) {
-      draw_tabs(editor, "inspector", right_tabs, p.right_tab);
+      draw_tabs(editor, "inspector", right_tabs, p.right_tab, p.right_open);
       ImGui::EndTabBar();
     }
     ImGui::End();
   }
   begin_region("bottom", 0, top + upper + gap, width, bottom);
   if (ImGui::BeginTabBar("bottom")) {
-    draw_tabs(editor, "bottom", bottom_tabs, p.bottom_tab);
-    if (narrow) draw_tabs(editor, "inspector", right_tabs, p.right_tab);
+    draw_tabs(editor, "bottom", bottom_tabs, p.bottom_tab, p.bottom_open);
+    if (narrow) draw_tabs(editor, "inspector", right_tabs, p.right_tab, p.right_open);
     ImGui::EndTabBar();
   }
   ImGui::End();

@@ -78,6 +78,8 @@ std::string load_settings(Editor& editor, bool reset) {
     });
     p.scale_chosen = values.value("scale_chosen", false);
     p.hints = values.value("hints", true);
+    p.right_tab = values.value("right_tab", "");
+    p.bottom_tab = values.value("bottom_tab", "");
     const json floating = values.value("floating", json::object());
     for (const auto& [name, place] : floating.items())
       p.floating[name] = {place.at(0), place.at(1), place.at(2), place.at(3)};
@@ -101,6 +103,8 @@ std::string save_settings(const Editor& editor) {
   visit(p, [&](const char* name, float& value, float, float) { values[name] = value; });
   values["scale_chosen"] = p.scale_chosen;
   values["hints"] = p.hints;
+  values["right_tab"] = p.right_open;
+  values["bottom_tab"] = p.bottom_open;
   values["settle"] = p.settle;
   values["capture_frames"] = p.capture_frames;
   values["floating"] = json::object();

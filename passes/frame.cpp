@@ -55,7 +55,7 @@ std::vector<const ParamTable*> inner_tables() {
 
 gpu::ShaderCompiler make_shader_compiler(const gpu::Device& device, const std::filesystem::path& folder,
                                          const std::filesystem::path& cache) {
-  gpu::ShaderCompiler compiler(folder, cache);
+  gpu::ShaderCompiler compiler(folder, cache, gpu::shipped_spirv());
   FrameSettings settings;
   for (const ParamBlock& block : settings.blocks()) compiler.add_table(*block.table);
   for (const ParamTable* table : inner_tables()) compiler.add_table(*table);

@@ -49,8 +49,9 @@ TEST(Shaders, ParameterBlocksHaveTheOffsetsOfTheirTables) {
   std::filesystem::remove_all(folder);
 }
 
-gpu::ShaderCompiler engine_compiler(bool storage, const std::filesystem::path& cache) {
-  gpu::ShaderCompiler compiler(std::filesystem::path(NF_SOURCE_DIR) / "shaders", cache);
+gpu::ShaderCompiler engine_compiler(bool storage, const std::filesystem::path& cache,
+                                    const std::filesystem::path& shipped = {}) {
+  gpu::ShaderCompiler compiler(std::filesystem::path(NF_SOURCE_DIR) / "shaders", cache, shipped);
   for (const ParamTable* table : all_tables()) compiler.add_table(*table);
   if (storage) compiler.add_define("NF_FETCH_STORAGE", "1");
   return compiler;
@@ -91,6 +92,10 @@ TEST(Shaders, TheCacheGivesTheSameWordsAndIgnoresDamage) {
   others.emplace_back("OTHER", "1");
   EXPECT_FALSE(compiler.compile({"gi/vbgi.comp"}, others).from_cache) << "defines are part of the key";
   EXPECT_GE(first.dependencies.size(), 5u);
+  // What is shipped is read where the cache has nothing.
+  const gpu::ShaderCompiler elsewhere = engine_compiler(true, {}, cache / "spirv");
+  EXPECT_TRUE(elsewhere.compile({"gi/vbgi.comp"}, vbgi_defines()).from_cache);
+  EXPECT_FALSE(elsewhere.compile({"common/fullscreen.vert", "direct.frag"}, {}).from_cache);
   for (const auto& entry : std::filesystem::recursive_directory_iterator(cache))
     if (entry.is_regular_file()) std::filesystem::resize_file(entry.path(), 100);
   const gpu::CompiledProgram third = compiler.compile({"gi/vbgi.comp"}, vbgi_defines());

@@ -138,7 +138,8 @@ TEST_F(GraphDumpTest, JsonHasTheSchema) {
   EXPECT_EQ(doc["schema"], "nearfield.graph/1");
   ASSERT_EQ(doc["passes"].size(), 5u);
   for (const json& pass : doc["passes"]) {
-    for (const char* key : {"name", "kind", "culled", "uses", "barriers"}) EXPECT_TRUE(pass.contains(key)) << key;
+    for (const char* key : {"name", "label", "kind", "culled", "uses", "barriers"})
+      EXPECT_TRUE(pass.contains(key)) << key;
     for (const json& use : pass["uses"])
       for (const char* key : {"resource", "use", "slot", "mip"}) EXPECT_TRUE(use.contains(key)) << key;
   }
@@ -157,6 +158,23 @@ TEST_F(GraphDumpTest, JsonHasTheSchema) {
   EXPECT_EQ(doc["memory"]["max_live_bytes"], 64 * 32 * 8);
   EXPECT_EQ(doc["histories"].size(), 1u);
   EXPECT_EQ(doc["histories"][0]["name"], "mean");
+}
+
+// Passes may share a name, which groups their times, and images one; labels tell them apart.
+TEST_F(GraphDumpTest, LabelsTellNamesakesApart) {
+  Graph g;
+  for (int i = 0; i < 3; ++i) {
+    const Tex a = g.image("tile", {{4, 4}, r32});
+    g.compute("tile", source).out("value", a).over(a);
+    g.readback("out", a);
+  }
+  const json doc = to_json(g, compile(g));
+  std::vector<std::string> passes, images;
+  for (const json& pass : doc["passes"])
+    if (pass["name"] == "tile") passes.push_back(pass["label"]);
+  for (const json& resource : doc["resources"]) images.push_back(resource["name"]);
+  EXPECT_EQ(passes, (std::vector<std::string>{"tile", "tile #2", "tile #3"}));
+  EXPECT_EQ(images, passes);
 }
 
 TEST_F(GraphDumpTest, JsonTellsWhatHappens) {

@@ -116,11 +116,14 @@ TEST_F(GuiTest, ThePixelTakenApartAddsUp) {
   EXPECT_EQ(bits, taken) << "each new sector counts once";
 }
 
-// A panel taken out of its tabs is moved, resized and put back; one that is out is still out in the next run.
+// A panel taken out of its tabs is moved, resized and put back; one that is out is still out in the next run, and the
+// tab that was open is open again.
 TEST_F(GuiTest, PanelsStandInWindowsOfTheirOwn) {
-  PLAYS(play(script_text("floating.jsonl")));
+  PLAYS(play(script_text("floating.jsonl") +
+             "{\"click\": \"bottom.Memory\"}\n{\"wait\": \"widgets.bottom.Memory.value == open\"}\n"));
   PLAYS(
       play("{\"wait\": \"widgets.floating.Scene.value != null && widgets.inspector.Scene.value == null\"}\n"
+           "{\"wait\": \"widgets.bottom.Memory.value == open\"}\n"
            "{\"key\": \"ctrl+shift+l\"}\n"
            "{\"wait\": \"widgets.floating.Scene.value == null && widgets.inspector.Scene.value != null\"}\n"));
 }

@@ -58,8 +58,9 @@ Pixels to_pixels(const graph::Readback& readback, const std::string& name) {
 
 // Puts the probe into the frame; what is wrong with it comes back.
 std::string look_at(graph::Graph& built, const ProbeWanted& wanted) {
-  const auto pass = std::find_if(built.passes.begin(), built.passes.end(),
-                                 [&](const graph::PassRow& row) { return wanted.pass == row.name; });
+  const auto pass = std::find_if(built.passes.begin(), built.passes.end(), [&](const graph::PassRow& row) {
+    return wanted.pass == graph::pass_label(built, uint32_t(&row - built.passes.data()));
+  });
   const auto resource =
       std::find_if(built.resources.begin(), built.resources.end(), [&](const graph::ResourceRow& row) {
         return wanted.resource == graph::resource_name(built, uint16_t(&row - built.resources.data()));

@@ -47,7 +47,8 @@ GraphInfo make_graph_info(const nlohmann::json& document) {
   // Positions count live passes only; rows of `passes` count all of them.
   std::vector<uint32_t> row_of;
   for (const nlohmann::json& row : document.at("passes")) {
-    GraphInfo::Pass pass{.name = row.at("name"), .description = row.at("description"), .kind = row.at("kind")};
+    GraphInfo::Pass pass{
+        .name = row.at("name"), .label = row.at("label"), .description = row.at("description"), .kind = row.at("kind")};
     pass.culled = row.at("culled");
     if (!pass.culled) row_of.push_back(uint32_t(info.passes.size()));
     for (const nlohmann::json& barrier : row.at("barriers")) {
@@ -62,6 +63,8 @@ GraphInfo make_graph_info(const nlohmann::json& document) {
                            .resource = rows.at(use.at("resource")),
                            .read = use.at("reads"),
                            .write = use.at("writes"),
+                           .mip = use.at("mip"),
+                           .layer = use.at("layer"),
                            .slot = use.at("slot").is_null() ? std::string() : use.at("slot").get<std::string>()});
     info.passes.push_back(std::move(pass));
   }

@@ -36,8 +36,8 @@ struct PassRow {
 // The graph and its plan, as the panels show them.
 struct GraphInfo {
   struct Pass {
-    std::string name, description;
-    std::string kind;
+    std::string name, label;  // times go by name; several shadow maps' passes share one: "name", "name #2"
+    std::string description, kind;
     bool culled = false;
     std::string barriers;  // a line each
     uint32_t barrier_count = 0;
@@ -54,6 +54,7 @@ struct GraphInfo {
   struct Use {
     uint32_t pass = 0, resource = 0;
     bool read = false, write = false;
+    uint8_t mip = 0, layer = 0;  // the first of those it touches
     std::string slot;
   };
   std::vector<Pass> passes;  // in the order they run; culled ones at their declared place

@@ -19,7 +19,7 @@ struct SceneLights {
 
 // A resource of the frame as it is before or after a pass.
 struct ProbeWanted {
-  std::string pass, resource;
+  std::string pass, resource;  // as graph::pass_label and graph::resource_name have them
   bool before = false;
   uint8_t mip = 0, layer = 0;
   bool operator==(const ProbeWanted&) const = default;

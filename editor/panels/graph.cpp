@@ -18,13 +18,20 @@ const live::GraphInfo::Use* find_use(const live::GraphInfo& graph, size_t pass, 
     if (use.pass == pass && use.resource == resource) {
       read |= use.read;
       write |= use.write;
-      if (!found) found = &use;
+      if (!found || (use.write && !found->write)) found = &use;
     }
   return found;
 }
 
-void probe(Editor& editor, const std::string& pass, const std::string& resource, bool before) {
-  editor.texture.wanted = {.pass = pass, .resource = resource, .before = before};
+live::ProbeWanted probe_of(const live::GraphInfo& graph, const live::GraphInfo::Use& use) {
+  return {.pass = graph.passes[use.pass].label,
+          .resource = graph.resources[use.resource].name,
+          .mip = use.mip,
+          .layer = use.layer};
+}
+
+void show_texture(Editor& editor, const live::ProbeWanted& wanted) {
+  editor.texture.wanted = wanted;
   editor.texture.frozen = false;
   editor.preferences.right_tab = "Texture";
 }
@@ -33,14 +40,13 @@ void probe(Editor& editor, const std::string& pass, const std::string& resource,
 
 std::optional<Preview> preview_after(const Editor& editor, const std::string& pass, const std::string& resource) {
   const live::GraphInfo& g = editor.graph;
-  const auto row = std::find_if(g.passes.begin(), g.passes.end(), [&](const auto& p) { return p.name == pass; });
+  const auto row = std::find_if(g.passes.begin(), g.passes.end(), [&](const auto& p) { return p.label == pass; });
   if (row == g.passes.end() || row->culled) return std::nullopt;
   for (const live::GraphInfo::Use& use : g.uses) {
     const live::GraphInfo::Resource& r = g.resources[use.resource];
     if (use.pass != uint32_t(row - g.passes.begin()) || r.buffer || r.imported || !r.live) continue;
     if (resource.empty() ? !use.write : r.name != resource) continue;
-    return Preview{.title = fmt::format("{} after {}", r.name, pass),
-                   .probe = live::ProbeWanted{.pass = pass, .resource = r.name}};
+    return Preview{.title = fmt::format("{} after {}", r.name, pass), .probe = probe_of(g, use)};
   }
   return std::nullopt;
 }
@@ -95,15 +101,16 @@ void draw_grid(Editor& editor) {
     list->AddLine(ImVec2(x + cell / 2, foot), ImVec2(x + cell / 2, origin.y + head + cell * float(rows.size())),
                   IM_COL32(255, 255, 255, p % 5 == 0 ? 40 : 18));
     list->ChannelsSetCurrent(1);
-    draw_slanted(list, ImVec2(x + cell * 0.2f, foot - line * 1.2f), g.passes[p].culled ? grey : text, g.passes[p].name);
+    draw_slanted(list, ImVec2(x + cell * 0.2f, foot - line * 1.2f), g.passes[p].culled ? grey : text,
+                 g.passes[p].label);
     if (g.passes[p].barrier_count)
       list->AddText(ImVec2(x + 2, foot - line * 1.05f), IM_COL32(204, 121, 167, 255),
                     fmt::format("{}", g.passes[p].barrier_count).c_str());
     ImGui::SetCursorScreenPos(ImVec2(x, top));
     ImGui::PushID(int(p));
     const bool clicked = ImGui::InvisibleButton("pass", ImVec2(cell, head));
-    ui::note("graph.pass." + g.passes[p].name, g.passes[p].culled ? "culled" : g.passes[p].kind);
-    const std::optional<Preview> preview = preview_after(editor, g.passes[p].name);
+    ui::note("graph.pass." + g.passes[p].label, g.passes[p].culled ? "culled" : g.passes[p].kind);
+    const std::optional<Preview> preview = preview_after(editor, g.passes[p].label);
     if (preview && editor.locked_preview && editor.locked_preview->title == preview->title)
       list->AddRect(ImVec2(x, foot - line * 1.2f), ImVec2(x + cell, foot + cell * float(rows.size())),
                     ImGui::GetColorU32(ImGuiCol_CheckMark));
@@ -112,7 +119,7 @@ void draw_grid(Editor& editor) {
       const auto time = std::find_if(editor.timings.rows.begin(), editor.timings.rows.end(),
                                      [&](const TimingHistory::Row& r) { return r.name == g.passes[p].name; });
       ImGui::BeginTooltip();
-      ImGui::Text("%s  (%s%s)", g.passes[p].name.c_str(), g.passes[p].kind.c_str(),
+      ImGui::Text("%s  (%s%s)", g.passes[p].label.c_str(), g.passes[p].kind.c_str(),
                   g.passes[p].culled ? ", culled: nobody needs what it writes" : "");
       ImGui::TextUnformatted(g.passes[p].description.c_str());
       if (time != editor.timings.rows.end() && !time->ms.empty()) ImGui::Text("%.3f ms", double(time->ms.back()));
@@ -148,11 +155,11 @@ void draw_grid(Editor& editor) {
       ImGui::SetCursorScreenPos(low);
       ImGui::PushID(int(p * 1000 + i));
       if (ImGui::InvisibleButton("use", ImVec2(high.x - low.x, high.y - low.y)) && !r.buffer)
-        probe(editor, g.passes[p].name, r.name, false);
-      ui::note(fmt::format("graph.use.{}.{}", g.passes[p].name, r.name), read && write ? "rw" : read ? "r" : "w");
-      if (ImGui::IsItemHovered()) point_at(editor, preview_after(editor, g.passes[p].name, r.name), true, false);
+        show_texture(editor, probe_of(g, *use));
+      ui::note(fmt::format("graph.use.{}.{}", g.passes[p].label, r.name), read && write ? "rw" : read ? "r" : "w");
+      if (ImGui::IsItemHovered()) point_at(editor, preview_after(editor, g.passes[p].label, r.name), true, false);
       if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("%s %s %s%s%s\n%s %s, %.2f MiB\nclick: look at it after this pass", g.passes[p].name.c_str(),
+        ImGui::SetTooltip("%s %s %s%s%s\n%s %s, %.2f MiB\nclick: look at it after this pass", g.passes[p].label.c_str(),
                           read && write ? "reads and writes"
                           : read        ? "reads"
                                         : "writes",

@@ -234,8 +234,8 @@ void draw_texture_panel(Editor& editor) {
   int pass = -1, resource = -1;
   for (const live::GraphInfo::Pass& row : g.passes)
     if (!row.culled && row.kind != "readback") {
-      if (row.name == t.wanted.pass) pass = int(passes.size());
-      passes.push_back(row.name);
+      if (row.label == t.wanted.pass) pass = int(passes.size());
+      passes.push_back(row.label);
     }
   for (const live::GraphInfo::Resource& row : g.resources)
     if (!row.buffer && !row.imported && row.live) {
@@ -249,7 +249,7 @@ void draw_texture_panel(Editor& editor) {
     t.zoom = 1;
     // Where it is last used unless that pass is chosen already.
     for (const live::GraphInfo::Resource& row : g.resources)
-      if (row.name == t.wanted.resource) t.wanted.pass = g.passes[row.last].name;
+      if (row.name == t.wanted.resource) t.wanted.pass = g.passes[row.last].label;
     while (std::find(passes.begin(), passes.end(), t.wanted.pass) == passes.end() && !passes.empty())
       t.wanted.pass = passes.back();
   }

@@ -38,7 +38,7 @@ constexpr float least_reference = 0.01f;  // as ui_picture.frag
 
 Renderer::Renderer(gpu::Device& device) : device_(device) {
   const std::filesystem::path cache = gpu::cache_folder();
-  gpu::ShaderCompiler compiler(gpu::find_shader_folder(), cache);
+  gpu::ShaderCompiler compiler(gpu::find_shader_folder(), cache, gpu::shipped_spirv());
   compiler.add_table(UiBlock::table());
   compiler.add_table(UiPixelBlock::table());
   pipelines_ = std::make_unique<gpu::Pipelines>(device, std::move(compiler), cache);

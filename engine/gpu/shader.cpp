@@ -99,7 +99,8 @@ void init_glslang() {
 
 }  // namespace
 
-ShaderCompiler::ShaderCompiler(fs::path folder, fs::path cache) : folder_(std::move(folder)), cache_(std::move(cache)) {
+ShaderCompiler::ShaderCompiler(fs::path folder, fs::path cache, fs::path shipped)
+    : folder_(std::move(folder)), cache_(std::move(cache)), shipped_(std::move(shipped)) {
   if (!cache_.empty()) {
     cache_ /= "spirv";
     std::error_code error;
@@ -158,11 +159,10 @@ CompiledProgram ShaderCompiler::compile(const std::vector<std::string>& files, c
   std::string key = compiler_version + preamble;
   for (const std::string& file : files) key += file + '\0';
   for (const auto& [name, text] : texts) key += name + '\0' + text + '\0';
-  const fs::path cached = cache_.empty() ? fs::path() : cache_ / (hash_name(key) + ".spv");
-
-  const auto load_cached = [&]() -> bool {
-    if (cached.empty()) return false;
-    std::ifstream in(cached, std::ios::binary);
+  const std::string entry = hash_name(key) + ".spv";
+  const auto load = [&](const fs::path& from) -> bool {
+    if (from.empty()) return false;
+    std::ifstream in(from / entry, std::ios::binary);
     std::vector<CompiledStage> stages;
     for (const std::string& file : files) {
       uint32_t words = 0;
@@ -175,7 +175,7 @@ CompiledProgram ShaderCompiler::compile(const std::vector<std::string>& files, c
     program.stages = std::move(stages);
     return true;
   };
-  if (load_cached()) {
+  if (load(cache_) || load(shipped_)) {
     program.from_cache = true;
     program.interface = reflect(program.stages);
     return program;
@@ -214,8 +214,9 @@ CompiledProgram ShaderCompiler::compile(const std::vector<std::string>& files, c
     program.stages.push_back(std::move(stage));
   }
   assign_bindings(program.stages);
-  if (!cached.empty()) {
+  if (!cache_.empty()) {
     // Written aside and renamed, so that two processes never see half a file.
+    const fs::path cached = cache_ / entry;
     const fs::path temporary = cached.string() + fmt::format(".{}", ::getpid());
     std::ofstream out(temporary, std::ios::binary);
     for (const CompiledStage& stage : program.stages) {
@@ -252,6 +253,10 @@ fs::path find_shader_folder() {
     if (fs::exists(candidate / "common")) return fs::canonical(candidate);
   fail(Exit::Input, "cannot find the shaders: looked in {}; set NEARFIELD_DATA_DIR to the folder that holds shaders/",
        candidates.front().string());
+}
+
+fs::path shipped_spirv() {
+  return find_shader_folder().parent_path() / "spirv";
 }
 
 fs::path cache_folder() {

@@ -57,10 +57,11 @@ struct CompiledProgram {
   bool from_cache = false;
 };
 
-// Compiles programs of one shader folder. `cache` may be empty (no cache).
+// Compiles programs of one shader folder. `cache` may be empty (no cache); `shipped` is a folder with such entries that
+// is only read.
 class ShaderCompiler {
  public:
-  ShaderCompiler(std::filesystem::path folder, std::filesystem::path cache);
+  ShaderCompiler(std::filesystem::path folder, std::filesystem::path cache, std::filesystem::path shipped = {});
   // `#include "params/<prefix>"` yields the table's uniform block.
   void add_table(const ParamTable& table);
   // Defines given to every shader (device facts).
@@ -73,7 +74,7 @@ class ShaderCompiler {
   std::string text_of(const std::string& file) const;
 
  private:
-  std::filesystem::path folder_, cache_;
+  std::filesystem::path folder_, cache_, shipped_;
   std::map<std::string, std::string> generated_;  // "params/vbgi" -> text
   Defines defines_;
 };
@@ -81,6 +82,8 @@ class ShaderCompiler {
 // The folder with the GLSL files: NEARFIELD_DATA_DIR/shaders, beside the binary (build tree: the source's), or
 // installed.
 std::filesystem::path find_shader_folder();
+// What an installation brings precompiled, beside its shaders (editor/precompile.cmake); need not exist.
+std::filesystem::path shipped_spirv();
 // $XDG_CACHE_HOME/nearfield or ~/.cache/nearfield; empty when neither can be made.
 std::filesystem::path cache_folder();
 

@@ -86,6 +86,13 @@ std::string resource_name(const Graph& graph, uint16_t resource) {
   return fmt::format("{}{}{}", row.name, previous ? ".prev" : "", before ? fmt::format(" #{}", before + 1) : "");
 }
 
+std::string pass_label(const Graph& graph, uint32_t pass) {
+  const char* name = graph.passes[pass].name;
+  const auto before = std::count_if(graph.passes.begin(), graph.passes.begin() + pass,
+                                    [&](const PassRow& other) { return !std::strcmp(other.name, name); });
+  return before ? fmt::format("{} #{}", name, before + 1) : name;
+}
+
 nlohmann::json to_json(const Graph& graph, const Plan& plan) {
   json passes = json::array(), resources = json::array(), histories = json::array(), heaps = json::array();
   std::vector<const PlannedPass*> planned(graph.passes.size(), nullptr);
@@ -117,6 +124,7 @@ nlohmann::json to_json(const Graph& graph, const Plan& plan) {
                             {"to", layout_name(barrier.new_layout)}});
       }
     passes.push_back({{"name", pass.name},
+                      {"label", pass_label(graph, uint32_t(i))},
                       {"kind", kind_name(pass.kind)},
                       {"description", pass.description},
                       {"culled", bool(plan.culled[i])},

@@ -10,6 +10,8 @@ namespace nf::graph {
 
 // Told apart: the two sides of a history, and images that share a name ("denoise.state #2" is the second of them).
 std::string resource_name(const Graph& graph, uint16_t resource);
+// The same of passes, whose names group their times: each tile of a shadow map has its own.
+std::string pass_label(const Graph& graph, uint32_t pass);
 
 nlohmann::json to_json(const Graph& graph, const Plan& plan);
 std::string to_text(const Graph& graph, const Plan& plan);
