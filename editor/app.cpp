@@ -521,12 +521,14 @@ void App::frame() {
   }
 }
 
-// 60 frames a second after input, 30 while the scene is rendered, 4 when nothing happens.
+// 60 frames a second after input, 4 when nothing happens. While the scene is rendered 30, or fewer: where the window is
+// drawn by the processor it leaves half of the time to the scene.
 void App::pace(double started) {
   const double since_input = e_.now - e_.last_input;
   const bool busy = !worker_->idle() || !e_.toasts.empty() || e_.viewport.compare == CompareMode::Blink ||
                     e_.slices.playing || e_.flip.busy || e_.now - e_.green_flash < 2;
-  const double period = since_input < 0.5 || script_ ? 1.0 / 60 : busy ? 1.0 / 30 : 0.25;
+  const double busy_period = std::max(1.0 / 30, 2e-3 * double(e_.ui_ms));
+  const double period = since_input < 0.5 ? 1.0 / 60 : busy ? std::min(busy_period, 0.25) : 0.25;
   const double left = period - (clock() - started);
   if (window_)
     window_->poll(std::max(left, 0.0));
