@@ -39,6 +39,16 @@ TEST(TemporalMeasures, TheMeanOfWhiteNoiseSettlesAsTheRootOfItsLength) {
   EXPECT_TRUE(std::isnan(log_log_slope(std::span(white).first(1))));
 }
 
+TEST(TemporalMeasures, TheSpreadOfPicturesIsTheirDeviation) {
+  std::mt19937_64 random(3);
+  std::vector<Image> pictures;
+  for (int i = 0; i < 8; ++i) pictures.push_back(noisy(float(i < 4), 0, random));
+  EXPECT_NEAR(spread(pictures), std::sqrt(2.0 / 7), 1e-6) << "four of 0, four of 1";
+  for (Image& picture : pictures) picture = noisy(5, 0.3f, random);
+  EXPECT_NEAR(spread(pictures), 0.3, 0.01);
+  EXPECT_EQ(spread(std::span(pictures).first(1)), 0);
+}
+
 TEST(TemporalMeasures, HalfOfThePixelsAreNearer) {
   Image test = flat(1), reference = flat(1);
   // A third off by 10 %, a third by 2 %, a third right; one as dark as nothing does not count.

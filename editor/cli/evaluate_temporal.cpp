@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fmt/ranges.h>
 #include <glm/gtc/matrix_transform.hpp>
+#include <map>
 #include <optional>
 
 #include "cli/scene_input.h"
@@ -61,7 +62,7 @@ class Sequence {
 
   json convergence() {
     const int asked = settings_.gi.shared.noise;
-    json out = {{"frames", lengths_.convergence}};
+    json out = {{"frames", lengths_.convergence}, {"seeds", lengths_.seeds}};
     out["own_noise"] = cumulative_means();
     settings_.gi.shared.noise = stbn;
     out["stbn"] = asked == stbn ? out["own_noise"] : cumulative_means();
@@ -221,24 +222,22 @@ class Sequence {
     return raw_;
   }
 
-  // Two independent means, apart by twice the variance of one, so that no reference's noise and no bias is in it.
+  // The spread of means with seeds of their own, so that no reference's noise and no bias is in it. A seed turns the
+  // pattern of all pixels alike: two that happen to lie close give nearly the same frames, so it takes several.
   json cumulative_means() {
-    std::vector<std::pair<double, double>> points;
-    std::vector<image::Image> first;
-    for (const uint32_t seed : {o_.seed * 2, o_.seed * 2 + 1}) {
+    const uint32_t seeds = lengths_.seeds;
+    std::map<uint32_t, std::vector<image::Image>> means;  // by the number of frames
+    for (uint32_t seed = o_.seed * seeds; seed < (o_.seed + 1) * seeds; ++seed) {
       begin(false, seed);
       image::RunningMean mean;
-      size_t row = 0;
       for (uint32_t n = 1; n <= lengths_.convergence; ++n) {
         mean.add(next("convergence").signal);
-        if (!is_power_of_two(n)) continue;
-        if (seed == o_.seed * 2)
-          first.push_back(mean.mean());
-        else
-          points.emplace_back(n, image::rms_difference(first[row++], mean.mean()) / std::sqrt(2.0));
+        if (is_power_of_two(n)) means[n].push_back(mean.mean());
       }
     }
-    const double scale = image::mean_luminance(first.back());
+    std::vector<std::pair<double, double>> points;
+    for (const auto& [n, pictures] : means) points.emplace_back(n, image::spread(pictures));
+    const double scale = image::mean_luminance(means.rbegin()->second.back());
     json rmse = json::array();
     for (const auto& [n, value] : points) rmse.push_back({{"frames", n}, {"rmse", number(value / scale)}});
     return {{"slope", number(image::log_log_slope(points))}, {"rmse", rmse}};

@@ -8,7 +8,8 @@ namespace nf::editor {
 // How long each part of a measurement is, in frames.
 struct TemporalLengths {
   uint32_t own_mean;           // the technique's own mean, which frames are held against
-  uint32_t convergence = 128;  // of each of two independent means; a power of two
+  uint32_t convergence = 128;  // of each of `seeds` independent means; a power of two
+  uint32_t seeds = 8;
   uint32_t before_jump = 48, after_jump = 48;
   uint32_t pan_warmup = 24, pan = 24;
   float pan_pixels = 0.1f;  // of a frame

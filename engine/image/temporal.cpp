@@ -46,6 +46,19 @@ Image RunningMean::mean() const {
   return out;
 }
 
+double spread(std::span<const Image> pictures) {
+  if (pictures.size() < 2) return 0;
+  RunningMean all;
+  for (const Image& picture : pictures) all.add(picture);
+  const Image mean = all.mean();
+  double squares = 0;
+  for (const Image& picture : pictures) {
+    const double apart = rms_difference(picture, mean);
+    squares += apart * apart;
+  }
+  return std::sqrt(squares / double(pictures.size() - 1));
+}
+
 double mean_luminance(const Image& picture, std::span<const uint8_t> mask) {
   double sum = 0;
   size_t count = 0;

@@ -25,6 +25,8 @@ class RunningMean {
 double mean_luminance(const Image& picture, std::span<const uint8_t> mask = {});
 // Root mean square of all channels' differences.
 double rms_difference(const Image& a, const Image& b, std::span<const uint8_t> mask = {});
+// How far pictures of the same are apart: root of the mean of all numbers' variance (of the sample: n - 1); 0 for one.
+double spread(std::span<const Image> pictures);
 // Half of the pixels are nearer to the reference: |luminance / the reference's - 1|. Pixels darker than a thousandth of
 // the reference's mean do not count.
 double median_relative_error(const Image& test, const Image& reference, std::span<const uint8_t> mask = {});

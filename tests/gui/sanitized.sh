@@ -5,7 +5,7 @@ set -euo pipefail
 build=$(cd "${1:-build/asan}" && pwd)
 [ $# -eq 0 ] || shift
 here=$(cd "$(dirname "$0")" && pwd)
-driver=$(ldconfig -p | awk '/libvulkan_lvp\.so/ { print $NF; exit }')
+driver=$(ldconfig -p | awk '/libvulkan_lvp\.so/ && !found++ { print $NF }')
 [ -n "$driver" ] || driver=$(find /usr/lib -name libvulkan_lvp.so | head -1)
 # The driver stays loaded to the end, or the report could not name it.
 preload="$(gcc -print-file-name=libasan.so) $driver"
