@@ -232,7 +232,7 @@ void draw_scene_panel(Editor& editor) {
                  "parameter, light or size begins another history first");
     ImGui::SameLine();
     ui::checkbox(
-        "scene.freeze_noise", "noise and jitter", editor.freeze.noise,
+        "scene.freeze_noise", "noise", editor.freeze.noise,
         "Every frame takes the samples that the last one took. Where nothing averages frames they do so anyway");
     ImGui::SameLine();
     ui::checkbox("scene.freeze_culling", "culling", editor.freeze.culling,
