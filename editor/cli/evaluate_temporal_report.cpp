@@ -112,7 +112,8 @@ constexpr Legend legends[] = {
      "reconstructed goes through the stages as set."},
     {"convergence",
      "noise: RMSE of one raw frame, in % of the mean. slope: exponent of the RMSE of the cumulative mean of raw frames "
-     "over their number, from the spread of eight means with seeds of their own (white noise: -0.5), with the noise as set and with "
+     "over their number, from the spread of eight means with seeds of their own (white noise: -0.5), with the noise as "
+     "set and with "
      "`gi.noise=stbn`."},
     {"settling",
      "raw mean, reconstructed, picture: frames, from no history on, until the median pixel is within 2 %; in brackets "
