@@ -521,14 +521,14 @@ void App::frame() {
   }
 }
 
-// 60 frames a second after input, 4 when nothing happens. While the scene is rendered 30, or fewer: where the window is
-// drawn by the processor it leaves half of the time to the scene.
+// 60 frames a second after input, 4 when nothing happens. While the scene is rendered 30; when nobody has touched the
+// window for two seconds down to 20, where the processor draws it: half of the time is the scene's then.
 void App::pace(double started) {
   const double since_input = e_.now - e_.last_input;
   const bool busy = !worker_->idle() || !e_.toasts.empty() || e_.viewport.compare == CompareMode::Blink ||
                     e_.slices.playing || e_.flip.busy || e_.now - e_.green_flash < 2;
-  const double busy_period = std::max(1.0 / 30, 2e-3 * double(e_.ui_ms));
-  const double period = since_input < 0.5 ? 1.0 / 60 : busy ? std::min(busy_period, 0.25) : 0.25;
+  const double unwatched = std::clamp(2e-3 * double(e_.ui_ms), 1.0 / 30, 1.0 / 20);
+  const double period = since_input < 0.5 ? 1.0 / 60 : !busy ? 0.25 : since_input < 2 ? 1.0 / 30 : unwatched;
   const double left = period - (clock() - started);
   if (window_)
     window_->poll(std::max(left, 0.0));

@@ -260,7 +260,7 @@ struct Editor {
   bool capture_asked = false, save_layers = false, copy_command = false, fullscreen_asked = false;
   uint64_t picture_hash = 0, hashed_frame = 0;  // made when a script or a state file wants it
   bool rebuild_fonts = false, screenshot_viewport = false, screenshot_window = false;
-  double now = 0, last_change = -10, last_input = 0, green_flash = -10;
+  double now = 0, last_change = -10, last_input = -10, green_flash = -10;
   std::string flash_text;
   uint64_t ui_frames = 0;
   glm::uvec2 window{1280, 720};
